@@ -1,0 +1,56 @@
+// Sizes of a network, as the `network:` section of a config and the metadata of a weight file hold them. The defaults
+// are the published network ([MH20] section 3 and appendix B).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/config_visitor.h"
+
+namespace ld {
+
+struct UNetConfig {
+  std::vector<std::vector<int64_t>> encoder = {{64, 64}, {128}, {256}, {512}, {512}};  // a 2x2 max-pool after each block
+  std::vector<int64_t> bottleneck = {512};
+  std::vector<std::vector<int64_t>> decoder = {{512, 512}, {256, 256}, {128, 128}, {128, 128}, {128, 128}};
+  int64_t context = 128;  // channels of the last 3x3 convolution, which has no activation
+  std::string upsampling = "bilinear";
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("encoder", encoder, Range{1, 4096});
+    v.field("bottleneck", bottleneck, Range{1, 4096});
+    v.field("decoder", decoder, Range{1, 4096});
+    v.field("context", context, Range{1, 4096});
+    v.field("upsampling", upsampling, {"bilinear", "nearest"});
+  }
+};
+
+struct NetworkConfig {
+  std::string name = "layer";
+  std::vector<std::string> features = {"radiance",  "normal", "depth", "albedo", "specular",
+                                       "roughness", "motion", "coc",   "lens",   "time"};
+  int64_t layers = 2;
+  std::string compositing = "alpha";
+  int64_t kernel_size = 17;
+  std::vector<int64_t> sample_reducer = {32, 32, 32};      // outputs of its layers; the last is the embedding
+  std::vector<int64_t> sample_partitioner = {32, 16};      // hidden layers; the output is `layers`
+  std::vector<int64_t> kernel_generator = {128, 128};      // hidden layers; the output is kernel_size squared
+  UNetConfig unet;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("name", name);
+    v.field("features", features);
+    v.field("layers", layers, Range{1, 8});
+    v.field("compositing", compositing, {"alpha"});
+    v.field("kernel_size", kernel_size, Range{1, 31});
+    v.field("sample_reducer", sample_reducer, Range{1, 4096});
+    v.field("sample_partitioner", sample_partitioner, Range{1, 4096});
+    v.field("kernel_generator", kernel_generator, Range{1, 4096});
+    v.section("unet", unet);
+  }
+};
+
+}  // namespace ld

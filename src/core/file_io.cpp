@@ -1,0 +1,99 @@
+#include "core/file_io.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace ld {
+namespace fs = std::filesystem;
+namespace {
+
+/// Removes a half-written file unless it was renamed in time.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(fs::path path) : path_(std::move(path)) {}
+  ~TemporaryFile() {
+    std::error_code ignored;  // the destructor also runs after success, when the file is gone
+    fs::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+}  // namespace
+
+std::string read_file(const fs::path& path, uint64_t limit) {
+  std::error_code error;
+  if (!fs::exists(path, error)) fail("no such file: {}; check the path", path.string());
+  if (fs::is_directory(path, error)) fail("{} is a folder; expected a file", path.string());
+  const auto size = fs::file_size(path, error);
+  if (error) fail("cannot read {}: {}", path.string(), error.message());
+  if (size > limit)
+    fail("{} has {} bytes; expected at most {}; is it the right kind of file?", path.string(), size, limit);
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(size, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!file || static_cast<uint64_t>(file.gcount()) != size)
+    fail("cannot read {} whole: {}", path.string(), std::strerror(errno));
+  return bytes;
+}
+
+void flush_to_disk(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail("cannot open {} to flush it: {}", path.string(), std::strerror(errno));
+  const bool flushed = fsync(descriptor) == 0;
+  const int reason = errno;
+  close(descriptor);
+  if (!flushed) fail("cannot flush {}: {}; is the disk full?", path.string(), std::strerror(reason));
+}
+
+void make_folder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path))
+    fail("cannot make the folder {}: {}; check the path and its permissions", path.string(),
+         error ? error.message() : "a file of that name exists");
+}
+
+void write_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  make_folder(folder);
+  // The extension stays last, because image libraries choose the format by it.
+  const TemporaryFile temporary(folder / fmt::format(".{}.{}.partial{}", path.stem().string(), getpid(),
+                                                     path.extension().string()));
+  write(temporary.path());
+  flush_to_disk(temporary.path());
+  std::error_code error;
+  fs::rename(temporary.path(), path, error);
+  if (error) fail("cannot rename {} to {}: {}", temporary.path().string(), path.string(), error.message());
+  flush_to_disk(folder);
+}
+
+void write_file_atomically(const fs::path& path, const std::string& bytes) {
+  write_atomically(path, [&](const fs::path& temporary) {
+    std::ofstream file(temporary, std::ios::binary);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) fail("cannot write {}: {}; is the disk full?", path.string(), std::strerror(errno));
+  });
+}
+
+FileLock::FileLock(const fs::path& path) : descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+  if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0)
+    fail("cannot lock {}: {}", path.string(), std::strerror(errno));
+}
+
+FileLock::~FileLock() { close(descriptor_); }
+
+}  // namespace ld

@@ -1,0 +1,51 @@
+// Counter-based random numbers: Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3",
+// SC 2011). A number depends only on its key and counter, never on what was drawn before or by which thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace ld {
+
+/// One block of Philox4x32-10: 128 random bits from a 128-bit counter and a 64-bit key.
+std::array<uint32_t, 4> philox4x32(std::array<uint32_t, 4> counter, std::array<uint32_t, 2> key);
+
+/// What a stream is for. Two purposes never share a number, whatever the seed and indices.
+enum class RandomPurpose : uint32_t {
+  scene = 1,           // layout, materials and camera of a random scene
+  input_samples = 2,   // the noisy samples of a frame
+  reference = 3,       // the samples of the reference image
+  initial_weights = 4,
+  data_order = 5,      // shuffling of the training frames
+  augmentation = 6,    // crops, flips, rotations
+  test = 7,
+};
+
+/// A stream of numbers keyed by (seed, purpose, three indices), for instance (seed, samples, frame, pixel, sample).
+class RandomStream {
+ public:
+  RandomStream(uint64_t seed, RandomPurpose purpose, uint32_t a = 0, uint32_t b = 0, uint32_t c = 0);
+
+  uint32_t bits();
+  /// Uniform in [0, 1), 24 bits, so that float represents every value exactly.
+  float uniform();
+  float uniform(float low, float high) { return low + (high - low) * uniform(); }
+  /// Uniform in {0, ..., count - 1}; count at least 1. Unbiased (Lemire's rejection).
+  uint32_t below(uint32_t count);
+  /// Standard normal (Box-Muller, both values used).
+  double normal();
+
+ private:
+  std::array<uint32_t, 2> key_;
+  std::array<uint32_t, 4> counter_;
+  std::array<uint32_t, 4> block_{};
+  int used_ = 4;
+  double spare_normal_ = 0;
+  bool has_spare_normal_ = false;
+};
+
+/// A permutation of 0 .. count - 1 (Fisher-Yates).
+std::vector<uint32_t> random_permutation(RandomStream& stream, uint32_t count);
+
+}  // namespace ld

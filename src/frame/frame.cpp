@@ -1,0 +1,66 @@
+#include "frame/frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ld {
+
+Faults sanitise(Frame& frame) {
+  Faults faults;
+  const size_t pixels = frame.plane_size();
+  for (int s = 0; s < frame.spp; ++s) {
+    uint8_t* valid = frame.valid_plane(s);
+    for (size_t p = 0; p < pixels; ++p) {
+      float* sample = frame.plane(s, 0) + p;
+      bool finite = true;
+      for (size_t c = 0; c < kSampleChannels; ++c) finite = finite && std::isfinite(sample[c * pixels]);
+      if (valid[p] != 0 && !finite) {
+        ++faults.not_finite;
+        valid[p] = 0;
+      }
+      for (size_t c = 0; c < kSampleChannels; ++c) {
+        float& value = sample[c * pixels];
+        if (valid[p] == 0) {
+          value = 0;
+        } else if (c < 3) {
+          if (value < 0) ++faults.negative;
+          value = std::max(value, 0.0F);
+        } else {
+          value = std::clamp(value, -kEscapedDepth, kEscapedDepth);
+        }
+      }
+    }
+  }
+  return faults;
+}
+
+Image mean_radiance(const Frame& frame) {
+  Image mean(frame.width, frame.height, 3);
+  const size_t pixels = frame.plane_size();
+  for (size_t p = 0; p < pixels; ++p) {
+    double sum[3] = {0, 0, 0};
+    int count = 0;
+    for (int s = 0; s < frame.spp; ++s) {
+      if (frame.valid_plane(s)[p] == 0) continue;
+      ++count;
+      for (int c = 0; c < 3; ++c) sum[c] += frame.plane(s, c)[p];
+    }
+    for (int c = 0; c < 3; ++c) mean.plane(c)[p] = count == 0 ? 0.0F : static_cast<float>(sum[c] / count);
+  }
+  return mean;
+}
+
+float median_depth(const Frame& frame) {
+  std::vector<float> depths;
+  for (int s = 0; s < frame.spp; ++s)
+    for (size_t p = 0; p < frame.plane_size(); ++p)
+      if (frame.valid_plane(s)[p] != 0 && frame.plane(s, kDepthOffset)[p] < kEscapedDepth)
+        depths.push_back(frame.plane(s, kDepthOffset)[p]);
+  if (depths.empty()) return 1;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  // A camera inside a surface sees depth 0; a scale of 0 would divide by zero.
+  return std::max(*middle, 1e-6F);
+}
+
+}  // namespace ld

@@ -1,0 +1,79 @@
+// A frame of samples and an image, in memory. Planar: a channel of a sample is one contiguous plane.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "frame/schema.h"
+
+namespace ld {
+
+/// [channels, height, width], row 0 on top.
+struct Image {
+  int width = 0, height = 0, channels = 0;
+  std::vector<float> pixels;
+
+  Image() = default;
+  Image(int w, int h, int c) : width(w), height(h), channels(c), pixels(size_t(w) * size_t(h) * size_t(c)) {}
+  size_t plane_size() const { return size_t(width) * size_t(height); }
+  float* plane(int channel) { return pixels.data() + size_t(channel) * plane_size(); }
+  const float* plane(int channel) const { return pixels.data() + size_t(channel) * plane_size(); }
+  float& at(int channel, int x, int y) { return plane(channel)[size_t(y) * size_t(width) + size_t(x)]; }
+  float at(int channel, int x, int y) const { return plane(channel)[size_t(y) * size_t(width) + size_t(x)]; }
+};
+
+/// What was wrong with the samples of a frame, and what was done about it.
+struct Faults {
+  int64_t negative = 0;    // radiance channels below 0, set to 0
+  int64_t not_finite = 0;  // samples with a NaN or infinite channel, masked out as if not drawn
+  int64_t clamped = 0;     // radiance channels beyond half's range, set to 65504 when a file was written
+  bool any() const { return negative + not_finite + clamped > 0; }
+};
+
+/// Where a frame came from; kept as attributes of the file. Empty or 0 where not known.
+struct FrameInfo {
+  std::string generator;  // program that rendered it
+  std::string scene;      // what the picture shows, for people ("indoor, defocus")
+  uint64_t seed = 0;
+  int64_t frame = 0;          // index in its recipe
+  float depth_scale = 0;      // median finite depth in scene units; 1 when every ray escaped
+  std::string camera;         // parameters of the camera, for people
+  int64_t clamped = 0;        // Faults::clamped when the file was written
+};
+
+/// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp, height,
+/// width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels are then 0).
+struct Frame {
+  int width = 0, height = 0, spp = 0;
+  std::vector<float> samples;
+  std::vector<uint8_t> valid;
+  FrameInfo info;
+
+  Frame() = default;
+  Frame(int w, int h, int s)
+      : width(w),
+        height(h),
+        spp(s),
+        samples(size_t(w) * size_t(h) * size_t(s) * kSampleChannels),
+        valid(size_t(w) * size_t(h) * size_t(s), 1) {}
+  size_t plane_size() const { return size_t(width) * size_t(height); }
+  float* plane(int sample, int channel) {
+    return samples.data() + (size_t(sample) * kSampleChannels + size_t(channel)) * plane_size();
+  }
+  const float* plane(int sample, int channel) const { return const_cast<Frame*>(this)->plane(sample, channel); }
+  uint8_t* valid_plane(int sample) { return valid.data() + size_t(sample) * plane_size(); }
+  const uint8_t* valid_plane(int sample) const { return valid.data() + size_t(sample) * plane_size(); }
+};
+
+/// Masks samples that hold a NaN or an infinity, sets negative radiance to 0, clamps guides to half's range and sets
+/// the channels of masked samples to 0. Every frame passes through here once, on its way in.
+Faults sanitise(Frame& frame);
+
+/// Mean radiance of the valid samples, [3, H, W], accumulated in double; 0 where a pixel has none.
+Image mean_radiance(const Frame& frame);
+
+/// Median over the depths of valid samples below kEscapedDepth; 1 when there is none.
+float median_depth(const Frame& frame);
+
+}  // namespace ld

@@ -1,0 +1,80 @@
+#include "frame/schema.h"
+
+#include <fmt/ranges.h>
+
+#include "core/error.h"
+
+namespace ld {
+namespace {
+
+const char* encoding_name(Encoding encoding) {
+  switch (encoding) {
+    case Encoding::tone_map: return "tone_map";
+    case Encoding::identity: return "identity";
+    case Encoding::depth: return "depth";
+    case Encoding::squash: return "squash";
+  }
+  return "";
+}
+
+}  // namespace
+
+const std::vector<Feature>& feature_schema() {
+  // Unit and frame of each, as the files hold it:
+  static const std::vector<Feature> schema = {
+      // linear, scene-referred, >= 0
+      {"radiance", kRadianceOffset, 3, {"R", "G", "B"}, Encoding::tone_map, 0, Vector::none},
+      // view space, right-handed: +x right, +y up, +z towards the camera; zero where the ray escaped
+      {"normal", kNormalOffset, 3, {"N.X", "N.Y", "N.Z"}, Encoding::identity, 0, Vector::y_up},
+      // scene units along the view axis; kEscapedDepth where the ray escaped
+      {"depth", kDepthOffset, 1, {"Z"}, Encoding::depth, 0, Vector::none},
+      // diffuse colour of the first hit
+      {"albedo", 7, 3, {"albedo.R", "albedo.G", "albedo.B"}, Encoding::identity, 0, Vector::none},
+      // specular colour of the first hit
+      {"specular", 10, 3, {"specular.R", "specular.G", "specular.B"}, Encoding::identity, 0, Vector::none},
+      // of the first hit, 0 a mirror, 1 diffuse
+      {"roughness", 13, 1, {"roughness"}, Encoding::identity, 0, Vector::none},
+      // pixels over the shutter interval, +x right, +y down; 16 pixels are half-way to the bound
+      {"motion", 14, 2, {"motion.X", "motion.Y"}, Encoding::squash, 16, Vector::y_down},
+      // signed radius in pixels, positive behind the focal plane; 4 pixels are half-way to the bound
+      {"coc", 16, 1, {"coc"}, Encoding::squash, 4, Vector::none},
+      // unit disk, +x right, +y up
+      {"lens", 17, 2, {"lens.X", "lens.Y"}, Encoding::identity, 0, Vector::y_up},
+      // 0 at shutter open, 1 at close
+      {"time", 19, 1, {"time"}, Encoding::identity, 0, Vector::none},
+  };
+  return schema;
+}
+
+const Feature& find_feature(const std::string& name) {
+  for (const Feature& feature : feature_schema())
+    if (feature.name == name) return feature;
+  const std::string nearest = nearest_word(name, feature_names());
+  fail_usage("unknown feature '{}'; {}the features are {}", name,
+             nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(feature_names(), ", "));
+}
+
+std::vector<std::string> feature_names() {
+  std::vector<std::string> names;
+  for (const Feature& feature : feature_schema()) names.push_back(feature.name);
+  return names;
+}
+
+int channel_count(const std::vector<std::string>& names) {
+  int count = 0;
+  for (const std::string& name : names) count += find_feature(name).channels;
+  return count;
+}
+
+std::string describe_features(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    const Feature& feature = find_feature(name);
+    text += fmt::format("{} {} {}", name, feature.channels, encoding_name(feature.encoding));
+    if (feature.encoding == Encoding::squash) text += fmt::format(" {}", feature.scale);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace ld
