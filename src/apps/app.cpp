@@ -1,0 +1,50 @@
+#include "apps/app.h"
+
+#include <exception>
+#include <iostream>
+
+#include "core/error.h"
+#include "core/file_io.h"
+#include "core/log.h"
+#include "core/signals.h"
+#include "core/threads.h"
+
+namespace ld {
+
+Application::Application(std::string name, const std::string& description)
+    : name_(std::move(name)), options_(description, name_) {
+  options_.set_version_flag("--version", name_ + " " LD_VERSION);
+  options_.add_option("--threads", threads_, "threads to use (default: OMP_NUM_THREADS, else the CPUs of this process)")
+      ->check(CLI::Range(1, 4096));
+  options_.add_option("--seed", seed_, "random seed (default: the one in the recipe or config)");
+  options_.add_option("--json", json_path_, "also write the result as JSON to this file");
+}
+
+int Application::run(int argc, char** argv, const std::function<void()>& body) {
+  try {
+    options_.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return options_.exit(error);  // --help, --version
+    std::cerr << name_ << ": " << error.what() << "; see " << name_ << " --help\n";
+    return 2;
+  }
+  try {
+    init_log(name_);
+    install_stop_handler();
+    if (threads_ == 0) threads_ = default_threads();
+    body();
+    return stop_exit_code();
+  } catch (const Error& error) {
+    std::cerr << name_ << ": " << error.what() << "\n";
+    return error.exit_code();
+  } catch (const std::exception& error) {
+    std::cerr << name_ << ": " << error.what() << "\n";
+    return 1;
+  }
+}
+
+void Application::write_json(const nlohmann::ordered_json& json) const {
+  if (!json_path_.empty()) write_file_atomically(json_path_, json.dump(2) + "\n");
+}
+
+}  // namespace ld

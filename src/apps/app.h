@@ -1,0 +1,42 @@
+// What every program shares: the common options, one place that turns exceptions into exit codes, JSON output.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace ld {
+
+/// Options are declared on `options()`, then run() parses and calls the body:
+///   Application app("ld_render", "Random scenes to training frames.");
+///   app.options().add_option("--out", out, "folder to fill")->required();
+///   return app.run(argc, argv, [&] { ... });
+class Application {
+ public:
+  Application(std::string name, const std::string& description);
+
+  CLI::App& options() { return options_; }
+  int threads() const { return threads_; }                    // --threads, else default_threads()
+  std::optional<uint64_t> seed() const { return seed_; }      // --seed
+  const std::string& json_path() const { return json_path_; }  // --json
+
+  /// Exit codes: 0 done, 1 failure while running, 2 wrong command line or config, 130 and 143 after SIGINT and SIGTERM.
+  /// Errors are one line on standard error.
+  int run(int argc, char** argv, const std::function<void()>& body);
+
+  /// Writes the machine-readable result to --json (nothing without it).
+  void write_json(const nlohmann::ordered_json& json) const;
+
+ private:
+  std::string name_;
+  CLI::App options_;
+  int threads_ = 0;
+  std::optional<uint64_t> seed_;
+  std::string json_path_;
+};
+
+}  // namespace ld
