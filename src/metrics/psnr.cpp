@@ -1,0 +1,21 @@
+#include "metrics/psnr.h"
+
+#include <cmath>
+#include <limits>
+
+#include "metrics/image_pair.h"
+
+namespace ld {
+
+double psnr(const Image& denoised, const Image& reference) {
+  if (!comparable(denoised, reference)) return std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> d = display_values(denoised);
+  const std::vector<double> r = display_values(reference);
+  double sum = 0;
+  for (size_t i = 0; i < r.size(); ++i) sum += (d[i] - r[i]) * (d[i] - r[i]);
+  // Stated apart, because -10 log10(0) is a division by zero to the sanitizers.
+  if (sum <= 0) return std::numeric_limits<double>::infinity();
+  return -10 * std::log10(sum / static_cast<double>(r.size()));
+}
+
+}  // namespace ld
