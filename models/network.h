@@ -13,8 +13,8 @@ namespace ld {
 
 /// A batch of frames or crops, float32 or float64.
 struct NetworkInput {
-  torch::Tensor features;  // [B, S, F, H, W] encoded (frame/schema.h), channels in the order of NetworkConfig::features;
-                           // 0 where a sample is not valid
+  torch::Tensor features;  // [B, S, F, H, W] encoded (frame/schema.h), channels in the order of
+                           // NetworkConfig::features; 0 where a sample is not valid
   torch::Tensor radiance;  // [B, S, 3, H, W] linear, >= 0, finite; 0 where a sample is not valid
   torch::Tensor valid;     // [B, S, 1, H, W] 1 for a sample that was drawn, 0 for a missing or masked one
 };

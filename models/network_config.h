@@ -1,5 +1,5 @@
-// Sizes of a network, as the `network:` section of a config and the metadata of a weight file hold them. The defaults
-// are the published network ([MH20] section 3 and appendix B).
+// Sizes of a network, as the `network:` section of a config and the metadata of a weight file hold them. The
+// defaults are the published network ([MH20] section 3 and appendix B).
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@
 namespace ld {
 
 struct UNetConfig {
-  std::vector<std::vector<int64_t>> encoder = {{64, 64}, {128}, {256}, {512}, {512}};  // a 2x2 max-pool after each block
+  std::vector<std::vector<int64_t>> encoder = {
+      {64, 64}, {128}, {256}, {512}, {512}};  // a 2x2 max-pool after each block
   std::vector<int64_t> bottleneck = {512};
   std::vector<std::vector<int64_t>> decoder = {{512, 512}, {256, 256}, {128, 128}, {128, 128}, {128, 128}};
   int64_t context = 128;  // channels of the last 3x3 convolution, which has no activation
@@ -34,9 +35,9 @@ struct NetworkConfig {
   int64_t layers = 2;
   std::string compositing = "alpha";
   int64_t kernel_size = 17;
-  std::vector<int64_t> sample_reducer = {32, 32, 32};      // outputs of its layers; the last is the embedding
-  std::vector<int64_t> sample_partitioner = {32, 16};      // hidden layers; the output is `layers`
-  std::vector<int64_t> kernel_generator = {128, 128};      // hidden layers; the output is kernel_size squared
+  std::vector<int64_t> sample_reducer = {32, 32, 32};  // outputs of its layers; the last is the embedding
+  std::vector<int64_t> sample_partitioner = {32, 16};  // hidden layers; the output is `layers`
+  std::vector<int64_t> kernel_generator = {128, 128};  // hidden layers; the output is kernel_size squared
   UNetConfig unet;
 
   template <class Visitor>

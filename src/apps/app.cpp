@@ -14,7 +14,9 @@ namespace ld {
 Application::Application(std::string name, const std::string& description)
     : name_(std::move(name)), options_(description, name_) {
   options_.set_version_flag("--version", name_ + " " LD_VERSION);
-  options_.add_option("--threads", threads_, "threads to use (default: OMP_NUM_THREADS, else the CPUs of this process)")
+  options_
+      .add_option("--threads", threads_,
+                  "threads to use (default: OMP_NUM_THREADS, else the CPUs of this process)")
       ->check(CLI::Range(1, 4096));
   options_.add_option("--seed", seed_, "random seed (default: the one in the recipe or config)");
   options_.add_option("--json", json_path_, "also write the result as JSON to this file");

@@ -1,4 +1,5 @@
-// What every program shares: the common options, one place that turns exceptions into exit codes, JSON output.
+// What every program shares: the common options, one place that turns exceptions into exit codes, JSON
+// output.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,12 +21,12 @@ class Application {
   Application(std::string name, const std::string& description);
 
   CLI::App& options() { return options_; }
-  int threads() const { return threads_; }                    // --threads, else default_threads()
-  std::optional<uint64_t> seed() const { return seed_; }      // --seed
+  int threads() const { return threads_; }                     // --threads, else default_threads()
+  std::optional<uint64_t> seed() const { return seed_; }       // --seed
   const std::string& json_path() const { return json_path_; }  // --json
 
-  /// Exit codes: 0 done, 1 failure while running, 2 wrong command line or config, 130 and 143 after SIGINT and SIGTERM.
-  /// Errors are one line on standard error.
+  /// Exit codes: 0 done, 1 failure while running, 2 wrong command line or config, 130 and 143 after SIGINT
+  /// and SIGTERM. Errors are one line on standard error.
   int run(int argc, char** argv, const std::function<void()>& body);
 
   /// Writes the machine-readable result to --json (nothing without it).

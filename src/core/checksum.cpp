@@ -11,13 +11,18 @@
 
 namespace ld {
 
-uint64_t checksum(const void* data, size_t bytes) { return XXH3_64bits(data, bytes); }
+uint64_t checksum(const void* data, size_t bytes) {
+  return XXH3_64bits(data, bytes);
+}
 
-std::string checksum_text(const void* data, size_t bytes) { return fmt::format("{:016x}", checksum(data, bytes)); }
+std::string checksum_text(const void* data, size_t bytes) {
+  return fmt::format("{:016x}", checksum(data, bytes));
+}
 
 std::string file_checksum(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) fail("cannot open {} to compute its checksum; check that it exists and is readable", path.string());
+  if (!file)
+    fail("cannot open {} to compute its checksum; check that it exists and is readable", path.string());
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
   std::vector<char> buffer(size_t{1} << 20);

@@ -28,7 +28,8 @@ class TreeBuilder : public YAML::EventHandler {
     scalar(after_key ? levels_.back().key_mark : mark, "", anchor, "", false);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    fail_usage("{}: found an alias (*name); anchors and aliases are not supported, write the value out", at(mark));
+    fail_usage("{}: found an alias (*name); anchors and aliases are not supported, write the value out",
+               at(mark));
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
@@ -58,7 +59,8 @@ class TreeBuilder : public YAML::EventHandler {
 
   void check(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) const {
     if (anchor != 0)
-      fail_usage("{}: found an anchor (&name); anchors and aliases are not supported, write the value out", at(mark));
+      fail_usage("{}: found an anchor (&name); anchors and aliases are not supported, write the value out",
+                 at(mark));
     if (!tag.empty()) fail_usage("{}: found the tag '{}'; tags are not supported, remove it", at(mark), tag);
   }
 
@@ -68,7 +70,8 @@ class TreeBuilder : public YAML::EventHandler {
     if (!levels_.empty() && levels_.back().node.kind == ConfigNode::Kind::map && !levels_.back().has_key) {
       Level& level = levels_.back();
       if (const ConfigNode* earlier = level.node.find(value))
-        fail_usage("{}: duplicate key '{}', first given at {}; remove one of them", at(mark), value, earlier->origin);
+        fail_usage("{}: duplicate key '{}', first given at {}; remove one of them", at(mark), value,
+                   earlier->origin);
       level.key = value;
       level.has_key = true;
       level.key_mark = mark;
@@ -139,7 +142,8 @@ const ConfigNode* ConfigNode::find(const std::string& key) const {
 
 ConfigNode parse_config(const std::string& text, const std::string& name) {
   ConfigNode root = parse_value(text, name);
-  if (root.kind == ConfigNode::Kind::scalar && root.text.empty() && !root.quoted) root.kind = ConfigNode::Kind::map;
+  if (root.kind == ConfigNode::Kind::scalar && root.text.empty() && !root.quoted)
+    root.kind = ConfigNode::Kind::map;
   if (root.kind != ConfigNode::Kind::map) fail_usage("{}: expected 'key: value' lines at the top", name);
   if (root.origin.empty()) root.origin = name;
   return root;

@@ -1,6 +1,6 @@
 // A YAML file as a tree that remembers where each value stands, so that every complaint can name its line.
-// Stricter than YAML: duplicate keys, anchors, aliases, tags and several documents are errors (yaml-cpp accepts the
-// first and expands the others without limit).
+// Stricter than YAML: duplicate keys, anchors, aliases, tags and several documents are errors (yaml-cpp
+// accepts the first and expands the others without limit).
 #pragma once
 
 #include <filesystem>
@@ -29,8 +29,8 @@ ConfigNode parse_config(const std::string& text, const std::string& name);
 /// Reads a YAML file of at most 1 MB. Throws Error when it is missing, UsageError when it is not YAML.
 ConfigNode read_config(const std::filesystem::path& path);
 
-/// Applies "key.sub=value" (value: any YAML in one line) on top of the tree. Whether the key exists is found out when
-/// the tree is read into its struct. Throws UsageError when the text is no assignment.
+/// Applies "key.sub=value" (value: any YAML in one line) on top of the tree. Whether the key exists is found
+/// out when the tree is read into its struct. Throws UsageError when the text is no assignment.
 void apply_override(ConfigNode& root, const std::string& assignment);
 
 }  // namespace ld

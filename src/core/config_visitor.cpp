@@ -33,7 +33,8 @@ Number parse_number(const ConfigNode& node, const std::string& key, const std::s
   Number value{};
   const char* end = node.text.data() + node.text.size();
   const auto [stop, error] = std::from_chars(node.text.data(), end, value);
-  const bool is_number = node.kind == ConfigNode::Kind::scalar && !node.quoted && error == std::errc() && stop == end;
+  const bool is_number =
+      node.kind == ConfigNode::Kind::scalar && !node.quoted && error == std::errc() && stop == end;
   const auto as_double = static_cast<double>(value);
   if (!is_number || !std::isfinite(as_double) || as_double < range.low || as_double > range.high)
     wrong(node, key, range_text(kind, range));
@@ -41,7 +42,8 @@ Number parse_number(const ConfigNode& node, const std::string& key, const std::s
 }
 
 template <class Item, class Parse>
-std::vector<Item> parse_list(const ConfigNode& node, const std::string& key, const std::string& kind, Parse parse) {
+std::vector<Item> parse_list(const ConfigNode& node, const std::string& key, const std::string& kind,
+                             Parse parse) {
   if (node.kind != ConfigNode::Kind::list) wrong(node, key, "a list of " + kind);
   std::vector<Item> values;
   for (size_t i = 0; i < node.items.size(); ++i)
@@ -50,9 +52,10 @@ std::vector<Item> parse_list(const ConfigNode& node, const std::string& key, con
 }
 
 std::vector<int64_t> parse_integers(const ConfigNode& node, const std::string& key, Range range) {
-  return parse_list<int64_t>(node, key, "whole numbers", [&](const ConfigNode& item, const std::string& item_key) {
-    return parse_number<int64_t>(item, item_key, "a whole number", range);
-  });
+  return parse_list<int64_t>(node, key, "whole numbers",
+                             [&](const ConfigNode& item, const std::string& item_key) {
+                               return parse_number<int64_t>(item, item_key, "a whole number", range);
+                             });
 }
 
 std::string parse_text(const ConfigNode& node, const std::string& key, const Choices& choices) {
@@ -79,7 +82,8 @@ std::string yaml_text(const std::string& text) {
 }  // namespace
 
 ConfigReader::ConfigReader(const ConfigNode& node, std::string path) : node_(node), path_(std::move(path)) {
-  if (node.kind != ConfigNode::Kind::map) wrong(node, path_.substr(0, path_.size() - 1), "a map of 'key: value' lines");
+  if (node.kind != ConfigNode::Kind::map)
+    wrong(node, path_.substr(0, path_.size() - 1), "a map of 'key: value' lines");
 }
 
 const ConfigNode* ConfigReader::take(const std::string& key) {
@@ -96,7 +100,8 @@ void ConfigReader::field(const std::string& key, bool& value) {
 }
 
 void ConfigReader::field(const std::string& key, int64_t& value, Range range) {
-  if (const ConfigNode* node = take(key)) value = parse_number<int64_t>(*node, path_ + key, "a whole number", range);
+  if (const ConfigNode* node = take(key))
+    value = parse_number<int64_t>(*node, path_ + key, "a whole number", range);
 }
 
 void ConfigReader::field(const std::string& key, uint64_t& value) {
@@ -118,23 +123,26 @@ void ConfigReader::field(const std::string& key, std::vector<int64_t>& value, Ra
 
 void ConfigReader::field(const std::string& key, std::vector<double>& value, Range range) {
   if (const ConfigNode* node = take(key))
-    value = parse_list<double>(*node, path_ + key, "numbers", [&](const ConfigNode& item, const std::string& item_key) {
-      return parse_number<double>(item, item_key, "a number", range);
-    });
+    value = parse_list<double>(*node, path_ + key, "numbers",
+                               [&](const ConfigNode& item, const std::string& item_key) {
+                                 return parse_number<double>(item, item_key, "a number", range);
+                               });
 }
 
 void ConfigReader::field(const std::string& key, std::vector<std::vector<int64_t>>& value, Range range) {
   if (const ConfigNode* node = take(key))
-    value = parse_list<std::vector<int64_t>>(
-        *node, path_ + key, "lists",
-        [&](const ConfigNode& item, const std::string& item_key) { return parse_integers(item, item_key, range); });
+    value = parse_list<std::vector<int64_t>>(*node, path_ + key, "lists",
+                                             [&](const ConfigNode& item, const std::string& item_key) {
+                                               return parse_integers(item, item_key, range);
+                                             });
 }
 
 void ConfigReader::field(const std::string& key, std::vector<std::string>& value, const Choices& choices) {
   if (const ConfigNode* node = take(key))
-    value = parse_list<std::string>(
-        *node, path_ + key, "texts",
-        [&](const ConfigNode& item, const std::string& item_key) { return parse_text(item, item_key, choices); });
+    value = parse_list<std::string>(*node, path_ + key, "texts",
+                                    [&](const ConfigNode& item, const std::string& item_key) {
+                                      return parse_text(item, item_key, choices);
+                                    });
 }
 
 void ConfigReader::finish() const {
@@ -142,7 +150,8 @@ void ConfigReader::finish() const {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     const std::string nearest = nearest_word(key, known_);
     const std::string advice = nearest.empty() ? "" : fmt::format("did you mean '{}'? ", path_ + nearest);
-    fail_usage("{}: unknown key '{}'; {}known here: {}", node.origin, path_ + key, advice, fmt::join(known_, ", "));
+    fail_usage("{}: unknown key '{}'; {}known here: {}", node.origin, path_ + key, advice,
+               fmt::join(known_, ", "));
   }
 }
 
@@ -150,11 +159,21 @@ void ConfigWriter::line(const std::string& key, const std::string& value) {
   text_ += fmt::format("{:{}}{}:{}{}\n", "", indent_, key, value.empty() ? "" : " ", value);
 }
 
-void ConfigWriter::field(const std::string& key, bool& value) { line(key, value ? "true" : "false"); }
-void ConfigWriter::field(const std::string& key, int64_t& value, Range) { line(key, fmt::format("{}", value)); }
-void ConfigWriter::field(const std::string& key, uint64_t& value) { line(key, fmt::format("{}", value)); }
-void ConfigWriter::field(const std::string& key, double& value, Range) { line(key, fmt::format("{}", value)); }
-void ConfigWriter::field(const std::string& key, std::string& value, const Choices&) { line(key, yaml_text(value)); }
+void ConfigWriter::field(const std::string& key, bool& value) {
+  line(key, value ? "true" : "false");
+}
+void ConfigWriter::field(const std::string& key, int64_t& value, Range) {
+  line(key, fmt::format("{}", value));
+}
+void ConfigWriter::field(const std::string& key, uint64_t& value) {
+  line(key, fmt::format("{}", value));
+}
+void ConfigWriter::field(const std::string& key, double& value, Range) {
+  line(key, fmt::format("{}", value));
+}
+void ConfigWriter::field(const std::string& key, std::string& value, const Choices&) {
+  line(key, yaml_text(value));
+}
 void ConfigWriter::field(const std::string& key, std::vector<int64_t>& value, Range) {
   line(key, fmt::format("[{}]", fmt::join(value, ", ")));
 }

@@ -2,11 +2,12 @@
 //
 //   struct AdamConfig {
 //     double learning_rate = 0.005;
-//     template <class Visitor> void visit(Visitor& v) { v.field("learning_rate", learning_rate, at_least(0)); }
+//     template <class Visitor> void visit(Visitor& v) { v.field("learning_rate", learning_rate, at_least(0));
+//     }
 //   };
 //
-// From that one description come the strict reader (unknown, duplicated or ill-typed keys, values out of range) and
-// the writer of the resolved configuration.
+// From that one description come the strict reader (unknown, duplicated or ill-typed keys, values out of
+// range) and the writer of the resolved configuration.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +24,14 @@ struct Range {
   double low = -std::numeric_limits<double>::max();
   double high = std::numeric_limits<double>::max();
 };
-inline Range at_least(double low) { return {low, std::numeric_limits<double>::max()}; }
+inline Range at_least(double low) {
+  return {low, std::numeric_limits<double>::max()};
+}
 
 using Choices = std::vector<std::string>;  // empty: any text
 
-/// Fills a struct from a map node; keys that the file leaves out keep their defaults. All complaints are UsageError.
+/// Fills a struct from a map node; keys that the file leaves out keep their defaults. All complaints are
+/// UsageError.
 class ConfigReader {
  public:
   explicit ConfigReader(const ConfigNode& node, std::string path = "");

@@ -70,8 +70,8 @@ void write_atomically(const fs::path& path, const std::function<void(const fs::p
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   make_folder(folder);
   // The extension stays last, because image libraries choose the format by it.
-  const TemporaryFile temporary(folder / fmt::format(".{}.{}.partial{}", path.stem().string(), getpid(),
-                                                     path.extension().string()));
+  const TemporaryFile temporary(
+      folder / fmt::format(".{}.{}.partial{}", path.stem().string(), getpid(), path.extension().string()));
   write(temporary.path());
   flush_to_disk(temporary.path());
   std::error_code error;
@@ -89,11 +89,14 @@ void write_file_atomically(const fs::path& path, const std::string& bytes) {
   });
 }
 
-FileLock::FileLock(const fs::path& path) : descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+FileLock::FileLock(const fs::path& path)
+    : descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
   if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0)
     fail("cannot lock {}: {}", path.string(), std::strerror(errno));
 }
 
-FileLock::~FileLock() { close(descriptor_); }
+FileLock::~FileLock() {
+  close(descriptor_);
+}
 
 }  // namespace ld

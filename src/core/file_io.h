@@ -1,4 +1,5 @@
-// Whole files in and out. What is written appears under its name only when complete: beside, flushed, renamed.
+// Whole files in and out. What is written appears under its name only when complete: beside, flushed,
+// renamed.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,9 @@ namespace ld {
 /// The file's bytes. Throws Error when it is missing, unreadable or larger than `limit` bytes.
 std::string read_file(const std::filesystem::path& path, uint64_t limit = uint64_t{1} << 30);
 
-/// Calls write(temporary path in the same folder), flushes that file to disk and renames it to `path`. When `write`
-/// throws, the temporary file is removed and an existing `path` stays as it was. Makes missing parent folders.
+/// Calls write(temporary path in the same folder), flushes that file to disk and renames it to `path`. When
+/// `write` throws, the temporary file is removed and an existing `path` stays as it was. Makes missing parent
+/// folders.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path&)>& write);
 void write_file_atomically(const std::filesystem::path& path, const std::string& bytes);

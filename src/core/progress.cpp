@@ -48,9 +48,11 @@ void Progress::print(const std::string& note, bool last) {
   std::string line = fmt::format("{} {}/{}", label_, done_, total_);
   if (terminal_) {
     const auto filled = static_cast<size_t>(24 * done_ / std::max<int64_t>(total_, 1));
-    line += fmt::format(" [{}{}]", std::string(filled, '='), std::string(24 - std::min<size_t>(filled, 24), ' '));
+    line +=
+        fmt::format(" [{}{}]", std::string(filled, '='), std::string(24 - std::min<size_t>(filled, 24), ' '));
   }
-  line += last ? fmt::format(", {} in all", duration_text(elapsed)) : fmt::format(", {} left", duration_text(left));
+  line += last ? fmt::format(", {} in all", duration_text(elapsed))
+               : fmt::format(", {} left", duration_text(left));
   if (!note.empty()) line += ", " + note;
   // \r and "erase to the end of the line" redraw in place; both would be noise in a file.
   fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n");

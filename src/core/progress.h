@@ -1,4 +1,5 @@
-// Progress with the time left: a bar that redraws itself on a terminal, a plain line every few seconds otherwise.
+// Progress with the time left: a bar that redraws itself on a terminal, a plain line every few seconds
+// otherwise.
 #pragma once
 
 #include <chrono>

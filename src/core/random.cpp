@@ -47,7 +47,9 @@ uint32_t RandomStream::bits() {
   return block_[static_cast<size_t>(used_++)];
 }
 
-float RandomStream::uniform() { return static_cast<float>(bits() >> 8) * 0x1p-24F; }
+float RandomStream::uniform() {
+  return static_cast<float>(bits() >> 8) * 0x1p-24F;
+}
 
 uint32_t RandomStream::below(uint32_t count) {
   uint64_t product = uint64_t{bits()} * count;

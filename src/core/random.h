@@ -13,16 +13,17 @@ std::array<uint32_t, 4> philox4x32(std::array<uint32_t, 4> counter, std::array<u
 
 /// What a stream is for. Two purposes never share a number, whatever the seed and indices.
 enum class RandomPurpose : uint32_t {
-  scene = 1,           // layout, materials and camera of a random scene
-  input_samples = 2,   // the noisy samples of a frame
-  reference = 3,       // the samples of the reference image
+  scene = 1,          // layout, materials and camera of a random scene
+  input_samples = 2,  // the noisy samples of a frame
+  reference = 3,      // the samples of the reference image
   initial_weights = 4,
-  data_order = 5,      // shuffling of the training frames
-  augmentation = 6,    // crops, flips, rotations
+  data_order = 5,    // shuffling of the training frames
+  augmentation = 6,  // crops, flips, rotations
   test = 7,
 };
 
-/// A stream of numbers keyed by (seed, purpose, three indices), for instance (seed, samples, frame, pixel, sample).
+/// A stream of numbers keyed by (seed, purpose, three indices), for instance (seed, samples, frame, pixel,
+/// sample).
 class RandomStream {
  public:
   RandomStream(uint64_t seed, RandomPurpose purpose, uint32_t a = 0, uint32_t b = 0, uint32_t c = 0);

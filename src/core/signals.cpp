@@ -20,8 +20,12 @@ void install_stop_handler() {
   std::signal(SIGTERM, note_signal);
 }
 
-bool stop_requested() { return received_signal != 0; }
+bool stop_requested() {
+  return received_signal != 0;
+}
 
-int stop_exit_code() { return received_signal == 0 ? 0 : 128 + received_signal; }
+int stop_exit_code() {
+  return received_signal == 0 ? 0 : 128 + received_signal;
+}
 
 }  // namespace ld

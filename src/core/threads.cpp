@@ -20,8 +20,10 @@ int default_threads() {
     char* end = nullptr;
     const long count = std::strtol(text, &end, 10);
     if (end == text || (*end != '\0' && *end != ',') || count < 1 || count > 4096)
-      fail_usage("environment variable OMP_NUM_THREADS: expected a number from 1 to 4096, found '{}'; unset it or "
-                 "pass --threads N", text);
+      fail_usage(
+          "environment variable OMP_NUM_THREADS: expected a number from 1 to 4096, found '{}'; unset it or "
+          "pass --threads N",
+          text);
     return static_cast<int>(count);
   }
   cpu_set_t set;

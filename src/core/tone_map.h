@@ -1,5 +1,5 @@
-// The tone map of [MH20] (Munkberg and Hasselgren 2020), eq. 7 and 8: the one definition behind the network's input,
-// the tone-mapped loss, SSIM, PSNR and the PNGs.
+// The tone map of [MH20] (Munkberg and Hasselgren 2020), eq. 7 and 8: the one definition behind the network's
+// input, the tone-mapped loss, SSIM, PSNR and the PNGs.
 #pragma once
 
 #include <cmath>
@@ -12,15 +12,15 @@ T srgb_transfer(T x) {
   return x <= T(0.0031308) ? T(12.92) * x : T(1.055) * std::pow(x, T(1) / T(2.4)) - T(0.055);
 }
 
-/// eq. 7: Gamma(log(1 + x)). Negative x counts as 0, where the printed formula is undefined below -1 and its gradient
-/// NaN; log1p keeps the dark tones that log(1 + x) loses to rounding.
+/// eq. 7: Gamma(log(1 + x)). Negative x counts as 0, where the printed formula is undefined below -1 and its
+/// gradient NaN; log1p keeps the dark tones that log(1 + x) loses to rounding.
 template <class T>
 T tone_map(T x) {
   return x > T(0) ? srgb_transfer(std::log1p(x)) : T(0);
 }
 
-/// Derivative of tone_map. At and below 0 it is the slope from the right, 12.92, so that a value that went negative is
-/// pulled back instead of getting stuck.
+/// Derivative of tone_map. At and below 0 it is the slope from the right, 12.92, so that a value that went
+/// negative is pulled back instead of getting stuck.
 template <class T>
 T tone_map_slope(T x) {
   if (!(x > T(0))) return T(12.92);

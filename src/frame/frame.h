@@ -36,14 +36,15 @@ struct FrameInfo {
   std::string generator;  // program that rendered it
   std::string scene;      // what the picture shows, for people ("indoor, defocus")
   uint64_t seed = 0;
-  int64_t frame = 0;          // index in its recipe
-  float depth_scale = 0;      // median finite depth in scene units; 1 when every ray escaped
-  std::string camera;         // parameters of the camera, for people
-  int64_t clamped = 0;        // Faults::clamped when the file was written
+  int64_t frame = 0;      // index in its recipe
+  float depth_scale = 0;  // median finite depth in scene units; 1 when every ray escaped
+  std::string camera;     // parameters of the camera, for people
+  int64_t clamped = 0;    // Faults::clamped when the file was written
 };
 
-/// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp, height,
-/// width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels are then 0).
+/// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
+/// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
+/// are then 0).
 struct Frame {
   int width = 0, height = 0, spp = 0;
   std::vector<float> samples;
@@ -61,13 +62,15 @@ struct Frame {
   float* plane(int sample, int channel) {
     return samples.data() + (size_t(sample) * kSampleChannels + size_t(channel)) * plane_size();
   }
-  const float* plane(int sample, int channel) const { return const_cast<Frame*>(this)->plane(sample, channel); }
+  const float* plane(int sample, int channel) const {
+    return const_cast<Frame*>(this)->plane(sample, channel);
+  }
   uint8_t* valid_plane(int sample) { return valid.data() + size_t(sample) * plane_size(); }
   const uint8_t* valid_plane(int sample) const { return valid.data() + size_t(sample) * plane_size(); }
 };
 
-/// Masks samples that hold a NaN or an infinity, sets negative radiance to 0, clamps guides to half's range and sets
-/// the channels of masked samples to 0. Every frame passes through here once, on its way in.
+/// Masks samples that hold a NaN or an infinity, sets negative radiance to 0, clamps guides to half's range
+/// and sets the channels of masked samples to 0. Every frame passes through here once, on its way in.
 Faults sanitise(Frame& frame);
 
 /// Mean radiance of the valid samples, [3, H, W], accumulated in double; 0 where a pixel has none.

@@ -20,22 +20,22 @@ struct FrameHeader {
 /// Throws Error: missing file, not an EXR, truncated, absurd size, unequal parts, newer schema version.
 FrameHeader read_frame_header(const std::filesystem::path& path);
 
-/// Reads the samples with at least the `required` features (others that are missing become 0) and sanitises them;
-/// `faults` receives what was found. info.depth_scale is computed where the file has none. Throws Error as above and
-/// for a missing feature (naming part and channel), and for a file without samples.
+/// Reads the samples with at least the `required` features (others that are missing become 0) and sanitises
+/// them; `faults` receives what was found. info.depth_scale is computed where the file has none. Throws Error
+/// as above and for a missing feature (naming part and channel), and for a file without samples.
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults);
 
-/// Writes part `mean` and parts s000, s001, ... with all features, and the info as attributes; atomic. Radiance beyond
-/// half's range is clamped and the count of clamped channels returned. Masked samples are written as NaN radiance, so
-/// that they are masked again on reading. The same frame gives the same bytes.
+/// Writes part `mean` and parts s000, s001, ... with all features, and the info as attributes; atomic.
+/// Radiance beyond half's range is clamped and the count of clamped channels returned. Masked samples are
+/// written as NaN radiance, so that they are masked again on reading. The same frame gives the same bytes.
 int64_t write_frame(const std::filesystem::path& path, const Frame& frame);
 
-/// An image of 1 or 3 channels: ".exr" holds linear half floats, ".png" 8 bits of the tone map (eq. 7 of [MH20]); atomic.
-/// Throws Error for another extension.
+/// An image of 1 or 3 channels: ".exr" holds linear half floats, ".png" 8 bits of the tone map (eq. 7 of
+/// [MH20]); atomic. Throws Error for another extension.
 void write_image(const std::filesystem::path& path, const Image& image);
 
-/// Reads R, G, B of the first part of an EXR. `bad_pixels`, when given, receives how many channels were NaN, infinite or
-/// negative; they are set to 0. Throws Error.
+/// Reads R, G, B of the first part of an EXR. `bad_pixels`, when given, receives how many channels were NaN,
+/// infinite or negative; they are set to 0. Throws Error.
 Image read_image(const std::filesystem::path& path, int64_t* bad_pixels = nullptr);
 
 }  // namespace ld

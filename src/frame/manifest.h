@@ -9,9 +9,9 @@
 namespace ld {
 
 struct ManifestFrame {
-  std::string name;         // "frame_000012": NAME.exr holds the samples, NAME.reference.exr the reference
-  std::string split;        // "train", "validation" or "test"
-  int64_t index = 0;        // frame of the recipe
+  std::string name;   // "frame_000012": NAME.exr holds the samples, NAME.reference.exr the reference
+  std::string split;  // "train", "validation" or "test"
+  int64_t index = 0;  // frame of the recipe
   std::string checksum, reference_checksum;  // core/checksum.h; empty: not checked (hand-written manifests)
 };
 
@@ -24,11 +24,13 @@ struct Manifest {
 std::filesystem::path frame_path(const std::filesystem::path& folder, const std::string& name);
 std::filesystem::path reference_path(const std::filesystem::path& folder, const std::string& name);
 
-/// Throws Error: missing, not JSON, wrong version, missing or ill-typed entry, duplicate or escaping ("..") names.
+/// Throws Error: missing, not JSON, wrong version, missing or ill-typed entry, duplicate or escaping ("..")
+/// names.
 Manifest read_manifest(const std::filesystem::path& folder);
 
-/// Adds frames to the folder's manifest, or makes it; frames of the same name are replaced. Safe against other processes
-/// that add frames of the same data set at the same time. Throws Error when the folder holds another recipe.
+/// Adds frames to the folder's manifest, or makes it; frames of the same name are replaced. Safe against
+/// other processes that add frames of the same data set at the same time. Throws Error when the folder holds
+/// another recipe.
 void add_to_manifest(const std::filesystem::path& folder, const Manifest& addition);
 
 /// The frames of one split. Throws Error naming the folder and the splits it has when there are none.

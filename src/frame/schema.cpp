@@ -9,10 +9,14 @@ namespace {
 
 const char* encoding_name(Encoding encoding) {
   switch (encoding) {
-    case Encoding::tone_map: return "tone_map";
-    case Encoding::identity: return "identity";
-    case Encoding::depth: return "depth";
-    case Encoding::squash: return "squash";
+    case Encoding::tone_map:
+      return "tone_map";
+    case Encoding::identity:
+      return "identity";
+    case Encoding::depth:
+      return "depth";
+    case Encoding::squash:
+      return "squash";
   }
   return "";
 }
@@ -51,7 +55,8 @@ const Feature& find_feature(const std::string& name) {
     if (feature.name == name) return feature;
   const std::string nearest = nearest_word(name, feature_names());
   fail_usage("unknown feature '{}'; {}the features are {}", name,
-             nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(feature_names(), ", "));
+             nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest),
+             fmt::join(feature_names(), ", "));
 }
 
 std::vector<std::string> feature_names() {

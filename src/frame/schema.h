@@ -1,5 +1,6 @@
-// The per-sample features of [MH20] (Munkberg and Hasselgren, "Neural Denoising with Layer Embeddings", EGSR 2020,
-// section 3), 20 floats in all: one table that the renderer, the files, the networks and the weights share.
+// The per-sample features of [MH20] (Munkberg and Hasselgren, "Neural Denoising with Layer Embeddings", EGSR
+// 2020, section 3), 20 floats in all: one table that the renderer, the files, the networks and the weights
+// share.
 #pragma once
 
 #include <array>
@@ -21,18 +22,18 @@ enum class Encoding {
 
 /// What a flip or a rotation of the picture does to a feature besides moving its pixels.
 enum class Vector {
-  none,         // a scalar or a colour: nothing
-  y_up,         // x and y turn with the picture, +y points up (view-space normal, lens position)
-  y_down,       // x and y turn with the picture, +y points down (motion vector)
+  none,    // a scalar or a colour: nothing
+  y_up,    // x and y turn with the picture, +y points up (view-space normal, lens position)
+  y_down,  // x and y turn with the picture, +y points down (motion vector)
 };
 
 struct Feature {
   std::string name;
-  int offset;    // first of its channels among the 20
+  int offset;  // first of its channels among the 20
   int channels;
   std::array<const char*, 3> exr_channels;  // the first `channels` of them count
   Encoding encoding;
-  float scale;   // of Encoding::squash, in the feature's unit
+  float scale;  // of Encoding::squash, in the feature's unit
   Vector vector;
 };
 
@@ -43,8 +44,8 @@ constexpr int kDepthOffset = 6;
 /// Depth of a ray that escaped: half's largest finite number.
 constexpr float kEscapedDepth = 65504.0F;
 
-/// All features in the order of their offsets: radiance, normal, depth, albedo, specular, roughness, motion, coc, lens,
-/// time.
+/// All features in the order of their offsets: radiance, normal, depth, albedo, specular, roughness, motion,
+/// coc, lens, time.
 const std::vector<Feature>& feature_schema();
 
 /// Throws UsageError with the nearest name and the list of names when there is no such feature.
@@ -55,7 +56,8 @@ std::vector<std::string> feature_names();
 /// Channels that the named features have together.
 int channel_count(const std::vector<std::string>& names);
 
-/// One line a feature: name, channels, encoding, scale. Two weight files fit the same frames when these agree.
+/// One line a feature: name, channels, encoding, scale. Two weight files fit the same frames when these
+/// agree.
 std::string describe_features(const std::vector<std::string>& names);
 
 }  // namespace ld

@@ -15,8 +15,9 @@ struct NetworkConfig;
 
 class Denoiser {
  public:
-  /// `model` is a weight file (.safetensors), a checkpoint folder or a run folder (its `best` checkpoint). Throws Error
-  /// when the file is damaged, its network unknown to this program, or its feature set another than this program's.
+  /// `model` is a weight file (.safetensors), a checkpoint folder or a run folder (its `best` checkpoint).
+  /// Throws Error when the file is damaged, its network unknown to this program, or its feature set another
+  /// than this program's.
   explicit Denoiser(const std::filesystem::path& model);
   ~Denoiser();
 

@@ -1,5 +1,5 @@
-// Named tensors in one file: the safetensors format (https://github.com/huggingface/safetensors), free of LibTorch.
-// 8 bytes of header length (little endian), a JSON header, the data. Nothing in it is executed.
+// Named tensors in one file: the safetensors format (https://github.com/huggingface/safetensors), free of
+// LibTorch. 8 bytes of header length (little endian), a JSON header, the data. Nothing in it is executed.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,8 @@ using Metadata = std::map<std::string, std::string>;
 /// A memory-mapped file; the views live as long as it does.
 class SafetensorsFile {
  public:
-  /// Checks the whole header before anything is used: lengths, offsets without gaps or overlaps, shapes that match the
-  /// byte counts, duplicate names. Throws Error saying which entry lies and what was expected.
+  /// Checks the whole header before anything is used: lengths, offsets without gaps or overlaps, shapes that
+  /// match the byte counts, duplicate names. Throws Error saying which entry lies and what was expected.
   explicit SafetensorsFile(const std::filesystem::path& path);
   ~SafetensorsFile();
   SafetensorsFile(const SafetensorsFile&) = delete;

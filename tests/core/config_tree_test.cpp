@@ -57,8 +57,9 @@ TEST(Config, EmptyTextGivesTheDefaults) {
 }
 
 TEST(Config, ReadsEveryType) {
-  const Outer config =
-      parse("steps: 7\nshuffle: false\nloss: l2\nfeatures: [a, b]\ninner:\n  rate: 1e-3\n  blocks: [[4, 5], [6]]\n");
+  const Outer config = parse(
+      "steps: 7\nshuffle: false\nloss: l2\nfeatures: [a, b]\ninner:\n  rate: 1e-3\n  blocks: [[4, 5], "
+      "[6]]\n");
   EXPECT_EQ(config.steps, 7);
   EXPECT_FALSE(config.shuffle);
   EXPECT_EQ(config.loss, "l2");
@@ -84,20 +85,27 @@ TEST(Config, WhatIsWrittenReadsBackTheSame) {
 
 TEST(Config, ComplaintsNameLineKeyAndCure) {
   EXPECT_EQ(complaint("steps: 7\nshufle: true\n"),
-            "test.yaml:2: unknown key 'shufle'; did you mean 'shuffle'? known here: steps, shuffle, loss, features, inner");
+            "test.yaml:2: unknown key 'shufle'; did you mean 'shuffle'? known here: steps, shuffle, loss, "
+            "features, inner");
   EXPECT_EQ(complaint("inner:\n  rat: 1\n"),
             "test.yaml:2: unknown key 'inner.rat'; did you mean 'inner.rate'? known here: rate, blocks");
   EXPECT_EQ(complaint("steps: 7\nsteps: 8\n"),
             "test.yaml:2: duplicate key 'steps', first given at test.yaml:1; remove one of them");
-  EXPECT_EQ(complaint("steps: many\n"), "test.yaml:1: steps: expected a whole number from 1 to 100, found 'many'");
-  EXPECT_EQ(complaint("steps: 101\n"), "test.yaml:1: steps: expected a whole number from 1 to 100, found '101'");
-  EXPECT_EQ(complaint("steps: 1.5\n"), "test.yaml:1: steps: expected a whole number from 1 to 100, found '1.5'");
-  EXPECT_EQ(complaint("steps:\n"), "test.yaml:1: steps: expected a whole number from 1 to 100, found nothing");
+  EXPECT_EQ(complaint("steps: many\n"),
+            "test.yaml:1: steps: expected a whole number from 1 to 100, found 'many'");
+  EXPECT_EQ(complaint("steps: 101\n"),
+            "test.yaml:1: steps: expected a whole number from 1 to 100, found '101'");
+  EXPECT_EQ(complaint("steps: 1.5\n"),
+            "test.yaml:1: steps: expected a whole number from 1 to 100, found '1.5'");
+  EXPECT_EQ(complaint("steps:\n"),
+            "test.yaml:1: steps: expected a whole number from 1 to 100, found nothing");
   EXPECT_EQ(complaint("inner: 3\n"), "test.yaml:1: inner: expected a map of 'key: value' lines, found '3'");
   EXPECT_EQ(complaint("loss: l3\n"), "test.yaml:1: loss: expected one of smape, l2, found 'l3'");
-  EXPECT_EQ(complaint("inner:\n  rate: .nan\n"), "test.yaml:2: inner.rate: expected a number of at least 0, found '.nan'");
+  EXPECT_EQ(complaint("inner:\n  rate: .nan\n"),
+            "test.yaml:2: inner.rate: expected a number of at least 0, found '.nan'");
   EXPECT_EQ(complaint("", {"step=3"}),
-            "command line: unknown key 'step'; did you mean 'steps'? known here: steps, shuffle, loss, features, inner");
+            "command line: unknown key 'step'; did you mean 'steps'? known here: steps, shuffle, loss, "
+            "features, inner");
   EXPECT_EQ(complaint("", {"steps"}), "command line: expected key.sub=value, found 'steps'");
   EXPECT_EQ(complaint("inner:\n  blocks: [[0]]\n"),
             "test.yaml:2: inner.blocks[0][0]: expected a whole number of at least 1, found '0'");

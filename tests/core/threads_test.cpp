@@ -21,7 +21,11 @@ TEST(Threads, ParallelForVisitsEachIndexOnce) {
 }
 
 TEST(Threads, TheFirstExceptionArrives) {
-  EXPECT_THROW(parallel_for(100, 3, [](int64_t i) { if (i == 50) fail("fifty"); }), Error);
+  EXPECT_THROW(parallel_for(100, 3,
+                            [](int64_t i) {
+                              if (i == 50) fail("fifty");
+                            }),
+               Error);
 }
 
 TEST(Threads, TheEnvironmentOverrides) {

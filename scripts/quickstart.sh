@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# From a fresh Debian machine to a denoised image: installs, builds, renders a small data set, trains, exports,
+# denoises frames whose scenes the training never saw, and prints the table. Everything lands in out/quickstart/.
+# Safe to interrupt and run again: finished frames and training steps are kept.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+out=out/quickstart
+SECONDS=0
+step() { printf '\n== %s (%d min %02d s since the start)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
+
+step "1/6 Packages"
+scripts/setup.sh --no-tests
+step "2/6 Build"
+cmake --build --preset release
+step "3/6 Render random scenes: samples and references"
+build/bin/ld_render --recipe data/recipes/quick.yaml --out $out/data
+step "4/6 Train"
+build/bin/ld_train --config configs/quick.yaml data.path=$out/data --out $out/run
+step "5/6 Export weights and denoise a frame of the test split"
+build/bin/ld_export --model $out/run --format safetensors --out $out/quick.safetensors
+frame=$(ls $out/data/frame_*.exr | grep -v reference | tail -n 1)
+build/bin/ld_denoise --model $out/quick.safetensors "$frame" --output $out/denoised.exr
+step "6/6 Evaluate on the test split"
+build/bin/ld_eval --data $out/data --model layer=$out/quick.safetensors --out $out/eval --json $out/metrics.json
+step "Done: table in $out/metrics.json, comparison strips in $out/eval/, weights in $out/quick.safetensors"

@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that the project needs and configures the build. Safe to run twice.
+#   scripts/setup.sh             what the programs and tests need
+#   scripts/setup.sh --dev       also the tools of scripts/check.sh
+#   scripts/setup.sh --no-tests  configure without the tests
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(
+  build-essential cmake ninja-build ccache
+  libtorch-dev
+  libopenblas0-openmp        # with the reference BLAS everything is 40 times slower
+  libopenexr-dev libopenimageio-dev openimageio-tools
+  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
+  libembree-dev
+  libgtest-dev
+)
+tests=ON
+for argument in "$@"; do
+  case "$argument" in
+    --dev) packages+=(clang-format clang-tidy clang-tools git) ;;
+    --no-tests) tests=OFF ;;
+    *) echo "setup.sh: unknown option '$argument'; expected --dev or --no-tests" >&2; exit 2 ;;
+  esac
+done
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "setup: all ${#packages[@]} packages are installed"
+else
+  echo "setup: installing ${missing[*]}"
+  as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "setup.sh: needs root or sudo to install ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
+  echo "setup: installed ${#missing[@]} packages"
+fi
+
+blas=$(readlink -f /usr/lib/*/libblas.so.3 | head -n 1)
+case "$blas" in
+  *openblas*) echo "setup: BLAS is $blas" ;;
+  *) echo "setup: warning: BLAS is $blas; OpenBLAS is 40 times faster: update-alternatives --config libblas.so.3-$(gcc -dumpmachine)" >&2 ;;
+esac
+
+cmake --preset release -DLD_BUILD_TESTS="$tests" > build-configure.log 2>&1 || {
+  tail -n 30 build-configure.log >&2
+  echo "setup.sh: configuring failed; the whole log is build-configure.log" >&2
+  exit 1
+}
+echo "setup: configured build/ (tests $tests)"

@@ -1,0 +1,35 @@
+// Trains a network, or continues a training: `ld_train --config FILE [key.sub=value ...] --out RUN`.
+
+#include "apps/app.h"
+#include "core/config_tree.h"
+#include "core/log.h"
+#include "ops/runtime.h"
+#include "training/trainer.h"
+
+int main(int argc, char** argv) {
+  std::string config_path, run;
+  std::vector<std::string> overrides;
+  ld::Application app("ld_train", "Trains a denoising network on a data set, or continues a training.");
+  app.options().add_option("--config", config_path, "YAML configuration")->required();
+  app.options().add_option("--out", run, "run folder: checkpoints, logs, resolved configuration")->required();
+  app.options().add_option("overrides", overrides, "key.sub=value, on top of the file");
+
+  return app.run(argc, argv, [&] {
+    ld::ConfigNode tree = ld::read_config(config_path);
+    for (const std::string& assignment : overrides) ld::apply_override(tree, assignment);
+    auto config = ld::config_from_tree<ld::TrainConfig>(tree);
+    if (app.seed()) config.seed = *app.seed();
+
+    ld::configure_runtime(app.threads());
+    ld::Trainer trainer(config, run);
+    trainer.train();
+
+    const ld::TrainingState& state = trainer.state();
+    spdlog::info("{} of {} steps done; best validation loss {:.4f} at step {}; weights in {}/checkpoints",
+                 state.step, trainer.total_steps(), state.best_score, state.best_step, run);
+    app.write_json({{"step", state.step},
+                    {"total_steps", trainer.total_steps()},
+                    {"best_score", state.best_score},
+                    {"best_step", state.best_step}});
+  });
+}

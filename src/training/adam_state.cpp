@@ -1,0 +1,51 @@
+#include "training/adam_state.h"
+
+#include <torch/version.h>
+
+#include <memory>
+
+#include "core/error.h"
+
+namespace ld {
+namespace {
+
+auto state_key(const torch::Tensor& parameter) {
+#if TORCH_VERSION_MAJOR >= 2
+  return static_cast<void*>(parameter.unsafeGetTensorImpl());
+#else
+  return c10::guts::to_string(parameter.unsafeGetTensorImpl());
+#endif
+}
+
+}  // namespace
+
+NamedTensors adam_state(torch::optim::Adam& optimizer, const Network& network) {
+  NamedTensors tensors;
+  for (const auto& parameter : network.named_parameters()) {
+    const auto found = optimizer.state().find(state_key(parameter.value()));
+    if (found == optimizer.state().end()) continue;
+    const auto& state = static_cast<const torch::optim::AdamParamState&>(*found->second);
+    tensors.emplace_back("exp_avg." + parameter.key(), state.exp_avg());
+    tensors.emplace_back("exp_avg_sq." + parameter.key(), state.exp_avg_sq());
+  }
+  return tensors;
+}
+
+void set_adam_state(torch::optim::Adam& optimizer, const Network& network, const SafetensorsFile& file,
+                    int64_t steps) {
+  for (const auto& parameter : network.named_parameters()) {
+    auto state = std::make_unique<torch::optim::AdamParamState>();
+    state->step(steps);
+    state->exp_avg(read_tensor(file.tensor("exp_avg." + parameter.key())));
+    state->exp_avg_sq(read_tensor(file.tensor("exp_avg_sq." + parameter.key())));
+    if (state->exp_avg().sizes() != parameter.value().sizes() ||
+        state->exp_avg_sq().sizes() != parameter.value().sizes())
+      fail(
+          "{}: the state of '{}' has another shape than the parameter; the checkpoint is damaged, use an "
+          "earlier one",
+          file.path().string(), parameter.key());
+    optimizer.state()[state_key(parameter.value())] = std::move(state);
+  }
+}
+
+}  // namespace ld

@@ -1,0 +1,134 @@
+#include "training/checkpoint.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "core/checksum.h"
+#include "core/error.h"
+#include "core/file_io.h"
+#include "training/adam_state.h"
+#include "weights/model_file.h"
+
+namespace ld {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kFiles[] = {"weights.safetensors", "optimizer.safetensors", "state.json"};
+
+std::string state_json(const TrainingState& state) {
+  nlohmann::ordered_json json;
+  json["step"] = state.step;
+  json["optimizer_steps"] = state.optimizer_steps;
+  json["best_score"] = std::isfinite(state.best_score) ? nlohmann::ordered_json(state.best_score) : nullptr;
+  json["best_step"] = state.best_step;
+  json["dataset"] = state.dataset;
+  return json.dump(2) + "\n";
+}
+
+TrainingState parse_state(const fs::path& path) {
+  try {
+    const auto json = nlohmann::json::parse(read_file(path, 1 << 20));
+    TrainingState state;
+    state.step = json.at("step");
+    state.optimizer_steps = json.at("optimizer_steps");
+    if (!json.at("best_score").is_null()) state.best_score = json.at("best_score");
+    state.best_step = json.at("best_step");
+    state.dataset = json.at("dataset");
+    return state;
+  } catch (const nlohmann::json::exception& error) {
+    fail("{}: not the state of a training run: {}", path.string(), error.what());
+  }
+}
+
+/// Points the link at the checkpoint, in one step: a reader sees the old one or the new one.
+void set_link(const fs::path& link, const std::string& target) {
+  const fs::path temporary = link.string() + ".partial";
+  fs::remove(temporary);
+  fs::create_symlink(target, temporary);
+  fs::rename(temporary, link);
+}
+
+std::string link_target(const fs::path& link) {
+  return fs::is_symlink(link) ? fs::read_symlink(link).string() : "";
+}
+
+void verify_checksums(const fs::path& checkpoint) {
+  const fs::path path = checkpoint / "checksums.json";
+  nlohmann::json sums;
+  try {
+    sums = nlohmann::json::parse(read_file(path, 1 << 20)).at("files");
+    for (const char* name : kFiles) {
+      const std::string expected = sums.at(name), found = file_checksum(checkpoint / name);
+      if (expected != found)
+        fail(
+            "{}: checksum {} differs from {} in {}; the checkpoint is damaged, remove it and resume from "
+            "another",
+            (checkpoint / name).string(), found, expected, path.string());
+    }
+  } catch (const nlohmann::json::exception& error) {
+    fail("{}: not a list of checksums: {}", path.string(), error.what());
+  }
+}
+
+}  // namespace
+
+CheckpointFolder::CheckpointFolder(fs::path run) : folder_(std::move(run) / "checkpoints") {}
+
+std::optional<fs::path> CheckpointFolder::last() const {
+  const std::string target = link_target(folder_ / "last");
+  if (target.empty()) return std::nullopt;
+  return folder_ / target;
+}
+
+void CheckpointFolder::write(const TrainingState& state, const Network& network,
+                             torch::optim::Adam& optimizer, bool best) {
+  make_folder(folder_);
+  const std::string name = fmt::format("step_{:08}", state.step);
+  const fs::path partial = folder_ / ("." + name + ".partial");
+  fs::remove_all(partial);
+  make_folder(partial);
+
+  nlohmann::ordered_json provenance = {
+      {"steps", state.step}, {"dataset", state.dataset}, {"program", "ld_train " LD_VERSION}};
+  save_model(partial / kFiles[0], network, provenance.dump(), DType::f32);
+  write_tensors(partial / kFiles[1], adam_state(optimizer, network), {{"format", "ld-optimizer"}});
+  write_file_atomically(partial / kFiles[2], state_json(state));
+  nlohmann::ordered_json sums;
+  for (const char* file : kFiles) sums["files"][file] = file_checksum(partial / file);
+  write_file_atomically(partial / "checksums.json", sums.dump(2) + "\n");
+
+  flush_to_disk(partial);
+  fs::remove_all(folder_ / name);  // of a run that was killed between renaming and linking
+  fs::rename(partial, folder_ / name);
+  set_link(folder_ / "last", name);
+  if (best) set_link(folder_ / "best", name);
+  flush_to_disk(folder_);
+
+  const std::string best_name = link_target(folder_ / "best");
+  std::vector<fs::path> surplus;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+    const std::string found = entry.path().filename().string();
+    if (found.rfind("step_", 0) == 0 && found != name && found != best_name) surplus.push_back(entry.path());
+  }
+  for (const fs::path& path : surplus) fs::remove_all(path);
+}
+
+TrainingState read_checkpoint(const fs::path& checkpoint, Network& network, torch::optim::Adam& optimizer) {
+  verify_checksums(checkpoint);
+  const TrainingState state = parse_state(checkpoint / kFiles[2]);
+  const std::shared_ptr<Network> stored = load_model(checkpoint / kFiles[0]);
+  const torch::NoGradGuard no_grad;
+  const auto source = stored->named_parameters();
+  for (auto& parameter : network.named_parameters()) {
+    const torch::Tensor* value = source.find(parameter.key());
+    if (value == nullptr || value->sizes() != parameter.value().sizes())
+      fail("{}: its network is not the one of this run; use another --out", checkpoint.string());
+    parameter.value().copy_(*value);
+  }
+  if (state.optimizer_steps > 0)
+    set_adam_state(optimizer, network, SafetensorsFile(checkpoint / kFiles[1]), state.optimizer_steps);
+  return state;
+}
+
+}  // namespace ld

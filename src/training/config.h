@@ -1,0 +1,94 @@
+// Everything that `ld_train --config` reads. The defaults are the recipe of [MH20] (Munkberg and Hasselgren
+// 2020), section 4.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/config_visitor.h"
+#include "models/network_config.h"
+
+namespace ld {
+
+struct DataConfig {
+  std::string path;                // folder with manifest.json
+  int64_t crop = 128;              // side of the square crops, pixels
+  int64_t batch = 4;               // crops a step
+  bool flips = true;               // mirror in x and in y, each half of the time
+  bool rotations = true;           // 0, 90, 180 or 270 degrees
+  int64_t cache_megabytes = 4096;  // frames beyond it are read again from disk
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("path", path);
+    v.field("crop", crop, Range{1, 16384});
+    v.field("batch", batch, Range{1, 4096});
+    v.field("flips", flips);
+    v.field("rotations", rotations);
+    v.field("cache_megabytes", cache_megabytes, at_least(0));
+  }
+};
+
+struct OptimizerConfig {  // Adam (Kingma and Ba 2015)
+  double learning_rate = 0.005;
+  double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;
+  std::string schedule =
+      "constant";  // or "halve" (every `halve_every` epochs), or "cosine" (to 0 at the last epoch)
+  int64_t halve_every = 100;
+  int64_t warmup_steps = 0;  // the rate rises linearly over so many steps
+  double clip_norm = 0;      // largest norm of all gradients together; 0: no limit
+  double clip_value = 0;     // largest absolute gradient; 0: no limit
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("learning_rate", learning_rate, Range{0, 10});
+    v.field("beta1", beta1, Range{0, 0.999999});
+    v.field("beta2", beta2, Range{0, 0.999999});
+    v.field("epsilon", epsilon, Range{0, 1});
+    v.field("schedule", schedule, {"constant", "halve", "cosine"});
+    v.field("halve_every", halve_every, at_least(1));
+    v.field("warmup_steps", warmup_steps, at_least(0));
+    v.field("clip_norm", clip_norm, at_least(0));
+    v.field("clip_value", clip_value, at_least(0));
+  }
+};
+
+/// How a run is watched and where it pauses. These may change between a run and its continuation; all else
+/// may not.
+struct RunConfig {
+  int64_t max_steps = 0;           // stop early after so many steps; 0: after the last epoch
+  int64_t log_every = 50;          // steps between lines of metrics.csv
+  int64_t validate_every = 500;    // steps between validations
+  int64_t checkpoint_every = 500;  // steps between checkpoints; one is always written at the end
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("max_steps", max_steps, at_least(0));
+    v.field("log_every", log_every, at_least(1));
+    v.field("validate_every", validate_every, at_least(1));
+    v.field("checkpoint_every", checkpoint_every, at_least(1));
+  }
+};
+
+struct TrainConfig {
+  uint64_t seed = 1;
+  std::string loss = "smape";
+  int64_t epochs = 1000;  // one crop of each frame an epoch
+  NetworkConfig network;
+  DataConfig data;
+  OptimizerConfig optimizer;
+  RunConfig run;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed);
+    v.field("loss", loss);
+    v.field("epochs", epochs, at_least(1));
+    v.section("network", network);
+    v.section("data", data);
+    v.section("optimizer", optimizer);
+    v.section("run", run);
+  }
+};
+
+}  // namespace ld

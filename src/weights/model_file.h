@@ -1,0 +1,34 @@
+// A network and its weights, to and from one safetensors file whose metadata holds the whole network
+// configuration (weights/weight_file.h).
+#pragma once
+
+#include <torch/torch.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "models/network.h"
+#include "weights/safetensors.h"
+
+namespace ld {
+
+/// Contiguous CPU tensors by name, on their way to a file.
+using NamedTensors = std::vector<std::pair<std::string, torch::Tensor>>;
+
+void write_tensors(const std::filesystem::path& path, const NamedTensors& tensors, const Metadata& metadata);
+
+/// A copy of one tensor of the file.
+torch::Tensor read_tensor(const TensorView& view);
+
+/// Writes all parameters as `type` (f32 keeps every bit; f16 is for release). `provenance` says where they
+/// came from.
+void save_model(const std::filesystem::path& path, const Network& network, const std::string& provenance,
+                DType type);
+
+/// The network with its weights as float32. `model` is a weight file, a checkpoint or a run folder. Throws
+/// Error when a parameter is missing, surplus, of another shape or not finite.
+std::shared_ptr<Network> load_model(const std::filesystem::path& model);
+
+}  // namespace ld
