@@ -1,0 +1,92 @@
+#include "frame/exr_reader.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfInputPart.h>
+#include <ImfPartType.h>
+#include <ImfTiledInputPart.h>
+
+#include "core/error.h"
+#include "frame/exr_check.h"
+
+namespace ld {
+
+ExrReader::ExrReader(const std::filesystem::path& path) : path_(path.string()) {
+  check_exr_file(path);
+  try {
+    // No rebuilding of chunk tables: an incomplete file is an error here, not something to make the best of.
+    file_ = std::make_unique<Imf::MultiPartInputFile>(path_.c_str(), 0, false);
+    for (int part = 0; part < parts(); ++part)
+      if (!file_->partComplete(part))
+        fail("{}: incomplete; the renderer was stopped; render it again", where(part));
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    fail("{}: OpenEXR cannot open it: {}; copy or render it again", path_, error.what());
+  }
+}
+
+std::string ExrReader::part_name(int part) const {
+  return header(part).hasName() ? header(part).name() : "";
+}
+
+std::string ExrReader::where(int part) const {
+  const std::string name = part_name(part);
+  return name.empty() ? path_ : fmt::format("{}: part '{}'", path_, name);
+}
+
+int ExrReader::width(int part) const {
+  const Imath::Box2i& window = header(part).dataWindow();
+  return window.max.x - window.min.x + 1;
+}
+
+int ExrReader::height(int part) const {
+  const Imath::Box2i& window = header(part).dataWindow();
+  return window.max.y - window.min.y + 1;
+}
+
+bool ExrReader::has_channel(int part, const std::string& channel) const {
+  return header(part).channels().findChannel(channel) != nullptr;
+}
+
+std::string ExrReader::channel_list(int part) const {
+  std::string list;
+  const Imf::ChannelList& channels = header(part).channels();
+  for (auto it = channels.begin(); it != channels.end(); ++it)
+    list += (list.empty() ? "" : ", ") + std::string(it.name());
+  return list.empty() ? "none" : list;
+}
+
+void ExrReader::require_channel(int part, const std::string& channel, const std::string& advice) const {
+  const Imf::Channel* found = header(part).channels().findChannel(channel);
+  if (found == nullptr)
+    fail("{}: no channel '{}'; found {}; {}", where(part), channel, channel_list(part), advice);
+  if (found->type != Imf::HALF && found->type != Imf::FLOAT)
+    fail("{}: channel '{}' holds integers; expected half or float; write it as half", where(part), channel);
+  if (found->xSampling != 1 || found->ySampling != 1)
+    fail("{}: channel '{}' is subsampled by {} x {}; expected every pixel; write it without subsampling",
+         where(part), channel, found->xSampling, found->ySampling);
+}
+
+void ExrReader::read(int part, const std::vector<ExrPlane>& planes) const {
+  const Imath::Box2i& window = header(part).dataWindow();
+  try {
+    Imf::FrameBuffer buffer;
+    for (const ExrPlane& plane : planes)
+      buffer.insert(plane.channel, Imf::Slice::Make(Imf::FLOAT, plane.pixels, window));
+    if (header(part).type() == Imf::TILEDIMAGE) {
+      Imf::TiledInputPart input(*file_, part);
+      input.setFrameBuffer(buffer);
+      input.readTiles(0, input.numXTiles() - 1, 0, input.numYTiles() - 1);
+    } else {
+      Imf::InputPart input(*file_, part);
+      input.setFrameBuffer(buffer);
+      input.readPixels(window.min.y, window.max.y);
+    }
+  } catch (const std::exception& error) {
+    fail("{}: OpenEXR cannot read its pixels: {}; the file is damaged; copy or render it again", where(part),
+         error.what());
+  }
+}
+
+}  // namespace ld

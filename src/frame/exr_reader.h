@@ -1,0 +1,48 @@
+// Reading planes of floats from the parts of an OpenEXR file, scan-line or tiled, half or float.
+#pragma once
+
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ld {
+
+/// A channel and where its data window's pixels go, row by row.
+struct ExrPlane {
+  std::string channel;
+  float* pixels;
+};
+
+/// Every complaint, OpenEXR's included, is an Error that names the file and, where it has one, the part.
+class ExrReader {
+ public:
+  /// Checks the header as exr_check.h says, then opens the file.
+  explicit ExrReader(const std::filesystem::path& path);
+
+  const std::string& path() const { return path_; }
+  int parts() const { return file_->parts(); }
+  const Imf::Header& header(int part) const { return file_->header(part); }
+  std::string part_name(int part) const;  // "" for a single-part file without a name
+  int width(int part) const;
+  int height(int part) const;
+  bool has_channel(int part, const std::string& channel) const;
+  std::string channel_list(int part) const;  // "B, G, R", for complaints
+
+  /// Throws Error when a channel is missing, of integers, or subsampled.
+  void require_channel(int part, const std::string& channel, const std::string& advice) const;
+
+  /// Reads channels that require_channel() let pass.
+  void read(int part, const std::vector<ExrPlane>& planes) const;
+
+ private:
+  std::string where(int part) const;
+
+  std::string path_;
+  std::unique_ptr<Imf::MultiPartInputFile> file_;
+};
+
+}  // namespace ld

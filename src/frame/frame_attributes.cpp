@@ -1,0 +1,73 @@
+#include "frame/frame_attributes.h"
+
+#include <ImfFloatAttribute.h>
+#include <ImfIntAttribute.h>
+#include <ImfStringAttribute.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace ld {
+namespace {
+
+void read_text(const Imf::Header& header, const char* name, std::string& value) {
+  if (const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name))
+    value = attribute->value();
+}
+
+/// EXR has no integers of 64 bits: they are decimal text. An int attribute will do as well.
+template <class Integer>
+void read_integer(const Imf::Header& header, const std::string& path, const char* name, Integer& value) {
+  if (header.find(name) == header.end()) return;
+  std::string text;
+  if (const auto* number = header.findTypedAttribute<Imf::IntAttribute>(name))
+    text = std::to_string(number->value());
+  read_text(header, name, text);
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || text.empty() || value < 0)
+    fail("{}: the attribute '{}' is '{}'; expected a whole number of at least 0, as an int or as text", path,
+         name, text);
+}
+
+}  // namespace
+
+void write_attributes(Imf::Header& header, const FrameInfo& info, int spp) {
+  header.insert("ldSchemaVersion", Imf::IntAttribute(kSchemaVersion));
+  header.insert("ldSpp", Imf::IntAttribute(spp));
+  header.insert("ldSeed", Imf::StringAttribute(std::to_string(info.seed)));
+  header.insert("ldFrame", Imf::StringAttribute(std::to_string(info.frame)));
+  header.insert("ldClamped", Imf::StringAttribute(std::to_string(info.clamped)));
+  header.insert("ldDepthScale", Imf::FloatAttribute(info.depth_scale));
+  if (!info.generator.empty()) header.insert("ldGenerator", Imf::StringAttribute(info.generator));
+  if (!info.scene.empty()) header.insert("ldScene", Imf::StringAttribute(info.scene));
+  if (!info.camera.empty()) header.insert("ldCamera", Imf::StringAttribute(info.camera));
+}
+
+FrameInfo read_attributes(const Imf::Header& header, const std::string& path, int& spp) {
+  int64_t version = kSchemaVersion;
+  read_integer(header, path, "ldSchemaVersion", version);
+  if (version > kSchemaVersion)
+    fail("{}: written with feature schema {}; this program knows schemas up to {}; use a newer version of it",
+         path, version, kSchemaVersion);
+  spp = -1;
+  if (header.find("ldSpp") != header.end()) read_integer(header, path, "ldSpp", spp);
+  FrameInfo info;
+  read_integer(header, path, "ldSeed", info.seed);
+  read_integer(header, path, "ldFrame", info.frame);
+  read_integer(header, path, "ldClamped", info.clamped);
+  read_text(header, "ldGenerator", info.generator);
+  read_text(header, "ldScene", info.scene);
+  read_text(header, "ldCamera", info.camera);
+  if (header.find("ldDepthScale") != header.end()) {
+    const auto* attribute = header.findTypedAttribute<Imf::FloatAttribute>("ldDepthScale");
+    if (attribute == nullptr || !std::isfinite(attribute->value()) || attribute->value() < 0)
+      fail("{}: the attribute 'ldDepthScale' is not a finite float of at least 0; correct or remove it",
+           path);
+    info.depth_scale = attribute->value();
+  }
+  return info;
+}
+
+}  // namespace ld

@@ -1,0 +1,19 @@
+// FrameInfo as attributes of an EXR header (docs/data_format.md lists them).
+#pragma once
+
+#include <ImfHeader.h>
+
+#include <string>
+
+#include "frame/frame.h"
+
+namespace ld {
+
+/// Adds the schema version, the number of samples and `info` to a header.
+void write_attributes(Imf::Header& header, const FrameInfo& info, int spp);
+
+/// Reads what a header has; the rest stays empty or 0. `spp` becomes -1 when the header does not say. Throws
+/// Error for a newer schema version and for values of a wrong type; `path` names the file in complaints.
+FrameInfo read_attributes(const Imf::Header& header, const std::string& path, int& spp);
+
+}  // namespace ld

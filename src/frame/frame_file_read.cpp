@@ -1,0 +1,139 @@
+#include <ImfChannelList.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/error.h"
+#include "frame/exr_check.h"
+#include "frame/exr_reader.h"
+#include "frame/frame_attributes.h"
+#include "frame/frame_file.h"
+
+namespace ld {
+namespace {
+
+/// The number in "s000", "s001", ..., "s1000"; -1 for any other name.
+int sample_number(const std::string& name) {
+  if (name.size() < 4 || name.size() > 5 || name[0] != 's') return -1;
+  if (!std::all_of(name.begin() + 1, name.end(), [](char c) { return c >= '0' && c <= '9'; })) return -1;
+  return std::stoi(name.substr(1));
+}
+
+/// The parts that hold samples, in their order: [sample] -> part. Empty for a file with means only.
+std::vector<int> sample_parts(const ExrReader& exr) {
+  std::map<int, int> found;
+  for (int part = 0; part < exr.parts(); ++part) {
+    const int number = sample_number(exr.part_name(part));
+    if (number < 0) continue;
+    if (!found.emplace(number, part).second)
+      fail("{}: two parts hold sample {}; number the sample parts s000, s001, ...", exr.path(), number);
+  }
+  std::vector<int> parts;
+  for (const auto& [number, part] : found) {
+    if (number != static_cast<int>(parts.size()))
+      fail("{}: no part 's{:03}', but '{}'; number the sample parts s000, s001, ... without gaps", exr.path(),
+           parts.size(), exr.part_name(part));
+    parts.push_back(part);
+  }
+  if (parts.size() > size_t{kMaxSamples})
+    fail("{}: {} samples a pixel; expected at most {}", exr.path(), parts.size(), kMaxSamples);
+  for (const int part : parts)
+    if (exr.header(part).dataWindow() != exr.header(parts[0]).dataWindow())
+      fail(
+          "{}: part '{}' is {} x {} and part 's000' {} x {} pixels, or they lie elsewhere; expected the same "
+          "data window "
+          "in all samples",
+          exr.path(), exr.part_name(part), exr.width(part), exr.height(part), exr.width(parts[0]),
+          exr.height(parts[0]));
+  return parts;
+}
+
+bool holds(const ExrReader& exr, int part, const Feature& feature) {
+  for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
+    if (!exr.has_channel(part, feature.exr_channels[c])) return false;
+  return true;
+}
+
+FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
+  FrameHeader header;
+  int said_spp = -1;
+  header.info = read_attributes(exr.header(0), exr.path(), said_spp);
+  header.spp = static_cast<int>(parts.size());
+  if (said_spp >= 0 && said_spp != header.spp)
+    fail(
+        "{}: the attribute ldSpp says {} samples a pixel, but {} sample parts were found; keep the parts "
+        "together or "
+        "correct the attribute",
+        exr.path(), said_spp, header.spp);
+  const int first = parts.empty() ? 0 : parts[0];
+  header.width = exr.width(first);
+  header.height = exr.height(first);
+  if (int64_t{header.width} * header.height * std::max(header.spp, 1) > kMaxFrameSamples)
+    fail("{}: {} x {} pixels with {} samples each; expected at most {} samples in all", exr.path(),
+         header.width, header.height, header.spp, kMaxFrameSamples);
+  for (const Feature& feature : feature_schema())
+    if (!parts.empty() &&
+        std::all_of(parts.begin(), parts.end(), [&](int part) { return holds(exr, part, feature); }))
+      header.features.push_back(feature.name);
+  return header;
+}
+
+/// Radiance is always needed: without it there is nothing to denoise.
+void require_features(const ExrReader& exr, const std::vector<int>& parts,
+                      std::vector<std::string> required) {
+  required.insert(required.begin(), "radiance");
+  for (const std::string& name : required) {
+    const Feature& feature = find_feature(name);
+    const std::string advice = fmt::format(
+        "the feature '{0}' is needed; render with it, or use a model whose `features` leave '{0}' out", name);
+    for (const int part : parts)
+      for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
+        exr.require_channel(part, feature.exr_channels[c], advice);
+  }
+}
+
+}  // namespace
+
+FrameHeader read_frame_header(const std::filesystem::path& path) {
+  const ExrReader exr(path);
+  return header_of(exr, sample_parts(exr));
+}
+
+Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required,
+                 Faults& faults) {
+  const ExrReader exr(path);
+  const std::vector<int> parts = sample_parts(exr);
+  const FrameHeader header = header_of(exr, parts);
+  if (header.spp == 0)
+    fail(
+        "{}: no samples (parts s000, s001, ...), only means: its first part holds {}; render with samples "
+        "kept, or use a "
+        "pixel network, which needs means only",
+        exr.path(), exr.channel_list(0));
+  require_features(exr, parts, required);
+
+  Frame frame(header.width, header.height, header.spp);
+  frame.info = header.info;
+  for (int s = 0; s < frame.spp; ++s) {
+    const int part = parts[static_cast<size_t>(s)];
+    std::vector<ExrPlane> planes;
+    for (const std::string& name : header.features) {
+      const Feature& feature = find_feature(name);
+      for (int c = 0; c < feature.channels; ++c) {
+        const char* channel = feature.exr_channels[static_cast<size_t>(c)];
+        exr.require_channel(part, channel, "");
+        planes.push_back({channel, frame.plane(s, feature.offset + c)});
+      }
+    }
+    exr.read(part, planes);
+  }
+
+  faults = sanitise(frame);
+  faults.clamped = frame.info.clamped;
+  const bool has_depth =
+      std::find(header.features.begin(), header.features.end(), "depth") != header.features.end();
+  if (frame.info.depth_scale <= 0) frame.info.depth_scale = has_depth ? median_depth(frame) : 1.0F;
+  return frame;
+}
+
+}  // namespace ld

@@ -1,0 +1,146 @@
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfPartType.h>
+#include <ImfTiledOutputPart.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/file_io.h"
+#include "frame/exr_check.h"
+#include "frame/frame_attributes.h"
+#include "frame/frame_file.h"
+
+namespace ld {
+namespace {
+
+constexpr int kTileSide = 64;
+constexpr float kHalfMax = 65504.0F;
+
+half to_half(float value) {
+  // NaN and infinities stay, so that the sample is masked on reading.
+  return half(std::isfinite(value) ? std::clamp(value, -kHalfMax, kHalfMax) : value);
+}
+
+void check_frame(const std::filesystem::path& path, const Frame& frame) {
+  if (frame.width < 1 || frame.height < 1 || frame.spp < 1 || frame.width > kMaxImageSide ||
+      frame.height > kMaxImageSide || frame.spp > kMaxSamples)
+    fail(
+        "cannot write {}: a frame of {} x {} pixels with {} samples; expected 1 to {} pixels a side and 1 to "
+        "{} samples",
+        path.string(), frame.width, frame.height, frame.spp, kMaxImageSide, kMaxSamples);
+  const size_t expected = frame.plane_size() * static_cast<size_t>(frame.spp);
+  if (frame.valid.size() != expected || frame.samples.size() != expected * kSampleChannels)
+    fail("cannot write {}: the frame's buffers hold {} samples and {} mask entries; expected {}",
+         path.string(), frame.samples.size() / kSampleChannels, frame.valid.size(), expected);
+}
+
+/// How many radiance channels of valid samples lie beyond half's range, and whether any is one that a reader
+/// mends.
+int64_t count_beyond_half(const Frame& frame, bool& mended) {
+  int64_t beyond = 0;
+  for (int s = 0; s < frame.spp; ++s) {
+    const uint8_t* valid = frame.valid_plane(s);
+    for (int c = 0; c < kSampleChannels; ++c) {
+      const float* plane = frame.plane(s, c);
+      for (size_t p = 0; p < frame.plane_size(); ++p) {
+        if (valid[p] == 0) continue;
+        if (!std::isfinite(plane[p]) || (c < 3 && plane[p] < 0)) mended = true;
+        if (c < 3 && std::isfinite(plane[p]) && plane[p] > kHalfMax) ++beyond;
+      }
+    }
+  }
+  return beyond;
+}
+
+/// The mean that a reader of the file would find, up to half's precision.
+Image stored_mean(const Frame& frame, bool mended) {
+  if (!mended) return mean_radiance(frame);
+  Frame copy = frame;
+  for (int s = 0; s < copy.spp; ++s)
+    for (int c = 0; c < 3; ++c)
+      for (size_t p = 0; p < copy.plane_size(); ++p) {
+        float& value = copy.plane(s, c)[p];
+        if (std::isfinite(value)) value = std::min(value, kHalfMax);
+      }
+  sanitise(copy);
+  return mean_radiance(copy);
+}
+
+Imf::Header part_header(const Frame& frame, const std::string& name,
+                        const std::vector<std::string>& channels) {
+  Imf::Header header(frame.width, frame.height);
+  header.setName(name);
+  header.setType(Imf::TILEDIMAGE);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.setTileDescription(Imf::TileDescription(kTileSide, kTileSide, Imf::ONE_LEVEL));
+  for (const std::string& channel : channels) header.channels().insert(channel, Imf::Channel(Imf::HALF));
+  return header;
+}
+
+/// `planes` [channels, H, W] in the order of the names.
+void write_part(Imf::MultiPartOutputFile& file, int part, const std::vector<std::string>& channels,
+                const std::vector<half>& planes) {
+  const Imath::Box2i& window = file.header(part).dataWindow();
+  const size_t plane_size = planes.size() / channels.size();
+  Imf::FrameBuffer buffer;
+  for (size_t c = 0; c < channels.size(); ++c)
+    buffer.insert(channels[c], Imf::Slice::Make(Imf::HALF, planes.data() + c * plane_size, window));
+  Imf::TiledOutputPart output(file, part);
+  output.setFrameBuffer(buffer);
+  output.writeTiles(0, output.numXTiles() - 1, 0, output.numYTiles() - 1);
+}
+
+std::vector<half> sample_planes(const Frame& frame, int sample) {
+  const size_t pixels = frame.plane_size();
+  std::vector<half> planes(pixels * kSampleChannels);
+  const uint8_t* valid = frame.valid_plane(sample);
+  for (int c = 0; c < kSampleChannels; ++c) {
+    const half masked = c < 3 ? std::numeric_limits<half>::quiet_NaN() : half(0.0F);
+    const float* plane = frame.plane(sample, c);
+    half* out = planes.data() + static_cast<size_t>(c) * pixels;
+    for (size_t p = 0; p < pixels; ++p) out[p] = valid[p] != 0 ? to_half(plane[p]) : masked;
+  }
+  return planes;
+}
+
+}  // namespace
+
+int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
+  check_frame(path, frame);
+  bool mended = false;
+  const int64_t clamped = count_beyond_half(frame, mended);
+  const Image mean = stored_mean(frame, mended || clamped > 0);
+  FrameInfo info = frame.info;
+  info.clamped += clamped;
+  if (info.depth_scale <= 0) info.depth_scale = median_depth(frame);
+
+  const std::vector<std::string> mean_channels = {"R", "G", "B"};
+  std::vector<std::string> sample_channels;
+  for (const Feature& feature : feature_schema())
+    sample_channels.insert(sample_channels.end(), feature.exr_channels.begin(),
+                           feature.exr_channels.begin() + feature.channels);
+
+  std::vector<Imf::Header> headers = {part_header(frame, "mean", mean_channels)};
+  write_attributes(headers[0], info, frame.spp);
+  for (int s = 0; s < frame.spp; ++s)
+    headers.push_back(part_header(frame, fmt::format("s{:03}", s), sample_channels));
+
+  write_atomically(path, [&](const std::filesystem::path& temporary) {
+    try {
+      Imf::MultiPartOutputFile file(temporary.c_str(), headers.data(), static_cast<int>(headers.size()));
+      std::vector<half> mean_planes(mean.pixels.size());
+      std::transform(mean.pixels.begin(), mean.pixels.end(), mean_planes.begin(), to_half);
+      write_part(file, 0, mean_channels, mean_planes);
+      for (int s = 0; s < frame.spp; ++s) write_part(file, s + 1, sample_channels, sample_planes(frame, s));
+    } catch (const std::exception& error) {
+      fail("cannot write {}: {}; is the disk full?", path.string(), error.what());
+    }
+  });
+  return clamped;
+}
+
+}  // namespace ld

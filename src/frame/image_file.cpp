@@ -1,0 +1,100 @@
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfOutputFile.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/file_io.h"
+#include "core/tone_map.h"
+#include "frame/exr_check.h"
+#include "frame/exr_reader.h"
+#include "frame/frame_file.h"
+
+namespace ld {
+namespace fs = std::filesystem;
+namespace {
+
+void write_exr(const fs::path& path, const Image& image) {
+  const std::vector<std::string> channels =
+      image.channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+  std::vector<half> pixels(image.pixels.size());
+  std::transform(image.pixels.begin(), image.pixels.end(), pixels.begin(),
+                 [](float value) { return half(std::clamp(value, -65504.0F, 65504.0F)); });
+  Imf::Header header(image.width, image.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  Imf::FrameBuffer buffer;
+  for (size_t c = 0; c < channels.size(); ++c) {
+    header.channels().insert(channels[c], Imf::Channel(Imf::HALF));
+    buffer.insert(channels[c],
+                  Imf::Slice::Make(Imf::HALF, pixels.data() + c * image.plane_size(), header.dataWindow()));
+  }
+  try {
+    Imf::OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(image.height);
+  } catch (const std::exception& error) {
+    fail("cannot write {}: {}; is the disk full?", path.string(), error.what());
+  }
+}
+
+void write_png(const fs::path& path, const Image& image) {
+  std::vector<uint8_t> pixels(image.pixels.size());
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t c = 0; c < channels; ++c)
+    for (size_t p = 0; p < image.plane_size(); ++p) {
+      const float mapped = std::min(tone_map(image.pixels[c * image.plane_size() + p]), 1.0F);
+      pixels[p * channels + c] = static_cast<uint8_t>(std::lround(mapped * 255.0F));
+    }
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  const auto output = OIIO::ImageOutput::create("png");
+  if (!output) fail("cannot write {}: {}", path.string(), OIIO::geterror());
+  if (!output->open(path.string(), spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) ||
+      !output->close())
+    fail("cannot write {}: {}; is the disk full?", path.string(), output->geterror());
+}
+
+}  // namespace
+
+void write_image(const fs::path& path, const Image& image) {
+  const std::string extension = path.extension().string();
+  if (extension != ".exr" && extension != ".png")
+    fail("cannot write {}: unknown extension '{}'; expected .exr (linear) or .png (tone-mapped)",
+         path.string(), extension);
+  if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide || image.height > kMaxImageSide ||
+      (image.channels != 1 && image.channels != 3) ||
+      image.pixels.size() != image.plane_size() * static_cast<size_t>(image.channels))
+    fail(
+        "cannot write {}: an image of {} x {} pixels with {} channels and {} numbers; expected 1 to {} "
+        "pixels a side and "
+        "1 or 3 channels",
+        path.string(), image.width, image.height, image.channels, image.pixels.size(), kMaxImageSide);
+  write_atomically(path, [&](const fs::path& temporary) {
+    extension == ".exr" ? write_exr(temporary, image) : write_png(temporary, image);
+  });
+}
+
+Image read_image(const fs::path& path, int64_t* bad_pixels) {
+  const ExrReader exr(path);
+  Image image(exr.width(0), exr.height(0), 3);
+  std::vector<ExrPlane> planes;
+  for (int c = 0; c < 3; ++c) {
+    const std::string channel(1, "RGB"[c]);
+    exr.require_channel(0, channel, "expected R, G and B in the first part; write the picture there");
+    planes.push_back({channel, image.plane(c)});
+  }
+  exr.read(0, planes);
+  int64_t bad = 0;
+  for (float& value : image.pixels) {
+    if (std::isfinite(value) && value >= 0) continue;
+    value = 0;
+    ++bad;
+  }
+  if (bad_pixels != nullptr) *bad_pixels = bad;
+  return image;
+}
+
+}  // namespace ld

@@ -1,0 +1,229 @@
+// Files that are damaged, hostile or from elsewhere: each is read right or gives one clear Error.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfIntAttribute.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledOutputFile.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "core/file_io.h"
+#include "core/random.h"
+#include "frame/frame_file.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/random_frame.h"
+#include "tests/support/temporary_folder.h"
+
+namespace ld {
+namespace {
+
+namespace fs = std::filesystem;
+
+Frame read_required(const fs::path& path, const std::vector<std::string>& required = {}) {
+  Faults faults;
+  return read_frame(path, required, faults);
+}
+
+/// A file as another renderer might write it: scan lines, float.
+struct ForeignPart {
+  std::string name;
+  std::vector<std::string> channels;
+  int width = 3, height = 2;
+  Imf::PixelType type = Imf::FLOAT;
+  int left = 0;
+};
+
+void write_foreign(const fs::path& path, const std::vector<ForeignPart>& parts, int said_spp = -1) {
+  std::vector<Imf::Header> headers;
+  for (const ForeignPart& part : parts) {
+    const Imath::Box2i window({part.left, 5}, {part.left + part.width - 1, 5 + part.height - 1});
+    Imf::Header header(Imath::Box2i({0, 0}, {99, 99}), window);
+    header.setName(part.name);
+    header.setType(Imf::SCANLINEIMAGE);
+    header.compression() = Imf::PIZ_COMPRESSION;
+    for (const std::string& channel : part.channels)
+      header.channels().insert(channel, Imf::Channel(part.type));
+    headers.push_back(header);
+  }
+  if (said_spp >= 0) headers[0].insert("ldSpp", Imf::IntAttribute(said_spp));
+  Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(headers.size()));
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const auto pixels = static_cast<size_t>(parts[i].width * parts[i].height);
+    std::vector<std::vector<float>> planes;
+    Imf::FrameBuffer buffer;
+    for (size_t c = 0; c < parts[i].channels.size(); ++c) {
+      planes.emplace_back(pixels);
+      for (size_t p = 0; p < pixels; ++p)
+        planes.back()[p] = static_cast<float>(100 * i + 10 * c) + static_cast<float>(p) + 1.0F;
+    }
+    for (size_t c = 0; c < parts[i].channels.size(); ++c)
+      buffer.insert(parts[i].channels[c],
+                    Imf::Slice::Make(parts[i].type, planes[c].data(), headers[i].dataWindow()));
+    Imf::OutputPart part(file, static_cast<int>(i));
+    part.setFrameBuffer(buffer);
+    part.writePixels(parts[i].height);
+  }
+}
+
+TEST(ForeignExr, ScanLinesFloatsAnyOrderAndExtraParts) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "foreign.exr";
+  // Parts out of order, channels out of order, an unrelated part, a data window that starts elsewhere.
+  write_foreign(path, {{"beauty", {"R", "G", "B"}},
+                       {"s001", {"Z", "B", "G", "R"}, 3, 2, Imf::FLOAT, 7},
+                       {"s000", {"R", "G", "B", "Z", "id"}, 3, 2, Imf::FLOAT, 7}});
+  const FrameHeader header = read_frame_header(path);
+  EXPECT_EQ(header.spp, 2);
+  EXPECT_EQ(header.features, (std::vector<std::string>{"radiance", "depth"}));
+  const Frame frame = read_required(path, {"depth"});
+  ASSERT_EQ(frame.width, 3);
+  ASSERT_EQ(frame.height, 2);
+  EXPECT_EQ(frame.plane(0, 0)[0], 201.0F);  // part 2, channel 0
+  EXPECT_EQ(frame.plane(0, kDepthOffset)[5], 236.0F);
+  EXPECT_EQ(frame.plane(1, 0)[0], 131.0F);  // part 1, channel 3
+  EXPECT_EQ(frame.plane(1, kDepthOffset)[5], 106.0F);
+  EXPECT_EQ(frame.plane(1, kNormalOffset)[5], 0.0F);
+  EXPECT_EQ(frame.info.depth_scale, median_depth(frame));
+  EXPECT_GT(frame.info.depth_scale, 100.0F);
+}
+
+TEST(ForeignExr, ComplainsOfWhatIsMissingByName) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "foreign.exr";
+  write_foreign(path, {{"s000", {"R", "G", "B", "Z"}}, {"s001", {"R", "G", "B"}}});
+  EXPECT_ERROR(read_required(path, {"depth"}),
+               "part 's001': no channel 'Z'; found B, G, R; the feature 'depth' is needed");
+  EXPECT_EQ(read_required(path).spp, 2);
+  EXPECT_ERROR(read_required(path, {"albdo"}), "did you mean 'albedo'?");
+  write_foreign(path, {{"s000", {"R", "G"}}});
+  EXPECT_ERROR(read_required(path), "part 's000': no channel 'B'");
+  write_foreign(path, {{"mean", {"R", "G", "B"}}});
+  EXPECT_EQ(read_frame_header(path).spp, 0);
+  EXPECT_ERROR(read_required(path), "use a pixel network");
+  write_foreign(path, {{"s000", {"R", "G", "B"}}, {"s002", {"R", "G", "B"}}});
+  EXPECT_ERROR(read_required(path), "no part 's001', but 's002'");
+  write_foreign(path, {{"s000", {"R", "G", "B"}}, {"s001", {"R", "G", "B"}, 4}});
+  EXPECT_ERROR(read_required(path), "part 's001' is 4 x 2 and part 's000' 3 x 2");
+  write_foreign(path, {{"s000", {"R", "G", "B"}, 3, 2, Imf::UINT}});
+  EXPECT_ERROR(read_required(path), "channel 'R' holds integers");
+  write_foreign(path, {{"s000", {"R", "G", "B"}}, {"s001", {"R", "G", "B"}}}, 8);
+  EXPECT_ERROR(read_required(path), "ldSpp says 8 samples a pixel, but 2");
+}
+
+TEST(ForeignExr, RefusesNewerSchemasAndIllTypedAttributes) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "image.exr";
+  const auto write = [&](const std::string& name, const Imf::Attribute& attribute) {
+    Imf::Header header(1, 1);
+    for (const char* channel : {"R", "G", "B"}) header.channels().insert(channel, Imf::Channel(Imf::HALF));
+    header.insert(name, attribute);
+    Imf::OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(Imf::FrameBuffer());
+    file.writePixels(1);
+  };
+  write("ldSchemaVersion", Imf::IntAttribute(kSchemaVersion + 1));
+  EXPECT_ERROR(read_frame_header(path), "use a newer version");
+  write("ldSeed", Imf::StringAttribute("twelve"));
+  EXPECT_ERROR(read_frame_header(path), "the attribute 'ldSeed' is 'twelve'");
+  write("ldDepthScale", Imf::StringAttribute("far"));
+  EXPECT_ERROR(read_frame_header(path), "'ldDepthScale'");
+  write("ldSeed", Imf::IntAttribute(12));
+  EXPECT_EQ(read_frame_header(path).info.seed, 12u);
+}
+
+TEST(DamagedExr, NoFileAFolderOrAnotherKindOfFile) {
+  const TemporaryFolder folder;
+  EXPECT_ERROR(read_required(folder / "none.exr"), "no such file");
+  EXPECT_ERROR(read_required(folder.path()), "is a folder");
+  write_file_atomically(folder / "text.exr", "This is not a picture but a letter.\n");
+  EXPECT_ERROR(read_required(folder / "text.exr"), "not an OpenEXR file");
+  write_file_atomically(folder / "empty.exr", "");
+  EXPECT_ERROR(read_required(folder / "empty.exr"), "not an OpenEXR file");
+}
+
+TEST(DamagedExr, CutShortAtEveryPlaceIsAnError) {
+  const TemporaryFolder folder;
+  write_frame(folder / "frame.exr", random_frame(3, 2, 1));
+  write_image(folder / "image.exr", Image(3, 2, 3));
+  for (const char* name : {"frame.exr", "image.exr"}) {
+    const std::string bytes = read_file(folder / name);
+    for (size_t length = 0; length < bytes.size(); ++length) {
+      // A plain write: flushing 2000 files to disk would take the test's time.
+      std::ofstream(folder / "cut.exr", std::ios::binary) << bytes.substr(0, length);
+      const std::string text = error_text([&] { read_frame_header(folder / "cut.exr"); });
+      EXPECT_NE(text.find("cut.exr"), std::string::npos) << length << ": " << text;
+      if (HasFailure()) return;
+    }
+  }
+}
+
+/// Puts `value` behind the header of the first attribute `name`, at `skip` bytes.
+void overwrite(std::string& bytes, const std::string& name, const std::string& type, size_t skip,
+               int32_t value) {
+  const std::string key = name + '\0' + type + '\0';
+  const size_t at = bytes.find(key);
+  ASSERT_NE(at, std::string::npos);
+  std::memcpy(bytes.data() + at + key.size() + 4 + skip, &value, 4);
+}
+
+TEST(DamagedExr, LyingHeadersAllocateNothing) {
+  const TemporaryFolder folder;
+  write_image(folder / "image.exr", Image(3, 2, 3));
+  const std::string image = read_file(folder / "image.exr");
+  ASSERT_LT(image.size(), 500u);
+  const auto read_changed = [&](const std::string& name, const std::string& type, size_t skip,
+                                int32_t value) {
+    std::string bytes = image;
+    overwrite(bytes, name, type, skip, value);
+    write_file_atomically(folder / "lie.exr", bytes);
+    read_image(folder / "lie.exr");
+  };
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 8, 1 << 30), "the data window is 1073741825 x 2");
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 8, -5), "the data window is -4 x 2");
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 0, INT32_MIN), "data window");
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 12, 16000), "cannot be in a file of");
+  EXPECT_ERROR(read_changed("channels", "chlist", 2, 7), "channel 'B' has pixel type 7");
+  EXPECT_ERROR(read_changed("channels", "chlist", 10, 0), "sampling 0 x 1");
+  EXPECT_ERROR(read_changed("compression", "compression", -4, INT32_MAX), "cut short");
+}
+
+TEST(DamagedExr, DeepDataIsRefused) {
+  const TemporaryFolder folder;
+  write_image(folder / "image.exr", Image(3, 2, 3));
+  std::string bytes = read_file(folder / "image.exr");
+  bytes[5] = static_cast<char>(bytes[5] | 0x08);
+  write_file_atomically(folder / "deep.exr", bytes);
+  EXPECT_ERROR(read_image(folder / "deep.exr"), "holds deep data");
+}
+
+TEST(DamagedExr, RandomBytesGiveAFrameOrAnError) {
+  const TemporaryFolder folder;
+  write_frame(folder / "frame.exr", random_frame(3, 2, 1));
+  const std::string bytes = read_file(folder / "frame.exr");
+  int errors = 0;
+  for (uint32_t trial = 0; trial < 1500; ++trial) {
+    RandomStream random(7, RandomPurpose::test, trial);
+    std::string changed = bytes;
+    for (uint32_t flips = 1 + random.below(4); flips > 0; --flips)
+      changed[random.below(static_cast<uint32_t>(bytes.size()))] = static_cast<char>(random.bits());
+    std::ofstream(folder / "fuzz.exr", std::ios::binary) << changed;
+    SCOPED_TRACE("trial " + std::to_string(trial));
+    try {
+      const Frame frame = read_required(folder / "fuzz.exr", {"time"});
+      EXPECT_LE(frame.samples.size(), size_t{kSampleChannels} * 4096);
+    } catch (const Error& error) {
+      ++errors;
+      EXPECT_NE(std::string(error.what()).find("fuzz.exr"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_GT(errors, 300);
+}
+
+}  // namespace
+}  // namespace ld

@@ -1,0 +1,24 @@
+// Frames of plausible random samples, exactly representable as half floats.
+#pragma once
+
+#include <ImfHeader.h>
+
+#include "core/random.h"
+#include "frame/frame.h"
+
+namespace ld {
+
+inline Frame random_frame(int width, int height, int spp, uint32_t seed = 1) {
+  Frame frame(width, height, spp);
+  RandomStream random(seed, RandomPurpose::test);
+  for (int s = 0; s < spp; ++s)
+    for (int c = 0; c < kSampleChannels; ++c)
+      for (size_t p = 0; p < frame.plane_size(); ++p) {
+        const bool positive = c < 3 || c == kDepthOffset;
+        frame.plane(s, c)[p] = static_cast<float>(half(random.uniform(positive ? 0.0F : -1.0F, 1.0F)));
+      }
+  frame.info.depth_scale = median_depth(frame);
+  return frame;
+}
+
+}  // namespace ld
