@@ -1,0 +1,12 @@
+// The tone map of [MH20] eq. 7 and 8 on tensors, differentiable.
+#pragma once
+
+#include <torch/torch.h>
+
+namespace ld {
+
+/// Elementwise tone_map() of core/tone_map.h; its derivative is tone_map_slope(), finite everywhere. float32
+/// or float64, any shape. Throws Error for another element type.
+torch::Tensor tone_map(const torch::Tensor& linear);
+
+}  // namespace ld
