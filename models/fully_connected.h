@@ -1,0 +1,39 @@
+// The fully connected networks of [MH20] (sample reducer, sample partitioner, kernel generator): weights and
+// layers. The arithmetic is ops/fully_connected.h.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <vector>
+
+#include "ops/fully_connected.h"
+
+namespace ld {
+
+enum class LastLayer { activated, linear };
+
+/// Layers of the given widths {inputs, hidden..., outputs}. Parameters: 0.weight [outputs, inputs],
+/// 0.bias, 1.weight, ...
+class FullyConnected : public torch::nn::Module {
+ public:
+  FullyConnected(const std::vector<int64_t>& widths, LastLayer last) : last_(last) {
+    for (size_t i = 0; i + 1 < widths.size(); ++i) {
+      auto layer = register_module(std::to_string(i), std::make_shared<torch::nn::Module>());
+      weights_.weights.push_back(
+          layer->register_parameter("weight", torch::zeros({widths[i + 1], widths[i]})));
+      weights_.biases.push_back(layer->register_parameter("bias", torch::zeros({widths[i + 1]})));
+    }
+  }
+
+  /// x [B, S, X, H, W] and, for a network that has them, context features [B, Y, H, W]: [B, S, outputs, H,
+  /// W].
+  torch::Tensor forward(const torch::Tensor& x, const torch::Tensor& context = {}) const {
+    return fully_connected(x, context, weights_, last_ == LastLayer::activated);
+  }
+
+ private:
+  LastLayer last_;
+  FullyConnectedWeights weights_;  // the registered parameters
+};
+
+}  // namespace ld

@@ -1,0 +1,108 @@
+#include "models/network.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "core/checksum.h"
+#include "core/error.h"
+#include "core/random.h"
+#include "frame/schema.h"
+#include "models/layer_network.h"
+
+namespace ld {
+namespace {
+
+using Factory = std::function<std::shared_ptr<Network>(const NetworkConfig&)>;
+
+/// A new network is one line here and one file beside this one.
+const std::map<std::string, Factory>& registry() {
+  static const std::map<std::string, Factory> networks = {
+      {"layer", [](const NetworkConfig& config) { return std::make_shared<LayerNetwork>(config); }},
+  };
+  return networks;
+}
+
+void check_widths(const char* key, const std::vector<int64_t>& widths, bool may_be_empty) {
+  if (widths.empty() && !may_be_empty) fail_usage("network.{} is empty, expected at least one width", key);
+  for (const int64_t width : widths)
+    if (width < 1) fail_usage("network.{} has a width of {}, expected at least 1", key, width);
+}
+
+void check_choice(const char* key, const std::string& value, const std::vector<std::string>& choices) {
+  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  const std::string nearest = nearest_word(value, choices);
+  fail_usage("unknown network.{} '{}'; {}choose from {}", key, value,
+             nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(choices, ", "));
+}
+
+/// What the reader of the file cannot see: that the sizes fit together. Weight files bring configurations
+/// too.
+void check_config(const NetworkConfig& config) {
+  check_choice("name", config.name, network_names());
+  check_choice("compositing", config.compositing, {"alpha"});
+  check_choice("unet.upsampling", config.unet.upsampling, {"bilinear", "nearest"});
+  if (config.features.empty())
+    fail_usage("network.features is empty, expected some of {}", fmt::join(feature_names(), ", "));
+  std::set<std::string> seen;
+  for (const std::string& feature : config.features)
+    if (find_feature(feature); !seen.insert(feature).second)
+      fail_usage("network.features names '{}' twice, expected each feature once", feature);
+  if (config.layers < 1) fail_usage("network.layers is {}, expected at least 1", config.layers);
+  if (config.kernel_size < 1 || config.kernel_size % 2 == 0)
+    fail_usage("network.kernel_size is {}, expected an odd number, so that a kernel has a centre",
+               config.kernel_size);
+  check_widths("sample_reducer", config.sample_reducer, false);
+  check_widths("sample_partitioner", config.sample_partitioner, true);
+  check_widths("kernel_generator", config.kernel_generator, true);
+  const UNetConfig& unet = config.unet;
+  if (unet.encoder.empty()) fail_usage("network.unet.encoder is empty, expected at least one block");
+  if (unet.encoder.size() != unet.decoder.size())
+    fail_usage("network.unet.encoder has {} blocks and network.unet.decoder {}, expected as many of both",
+               unet.encoder.size(), unet.decoder.size());
+  for (const auto& block : unet.encoder) check_widths("unet.encoder", block, false);
+  for (const auto& block : unet.decoder) check_widths("unet.decoder", block, false);
+  check_widths("unet.bottleneck", unet.bottleneck, false);
+  check_widths("unet.context", {unet.context}, false);
+}
+
+}  // namespace
+
+std::vector<std::string> network_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, factory] : registry()) names.push_back(name);
+  return names;
+}
+
+std::shared_ptr<Network> make_network(const NetworkConfig& config) {
+  check_config(config);
+  return registry().at(config.name)(config);
+}
+
+void initialise_xavier(Network& network, uint64_t seed) {
+  torch::NoGradGuard no_gradient;
+  for (auto& entry : network.named_parameters()) {
+    torch::Tensor& parameter = entry.value();
+    if (parameter.dim() < 2) {
+      parameter.zero_();
+      continue;
+    }
+    // Glorot and Bengio 2010, eq. 16: uniform with variance 2 / (inputs + outputs), where a convolution's
+    // inputs and outputs count its taps. Keyed by the parameter's name: no weight depends on what else the
+    // network holds.
+    const int64_t taps = parameter[0][0].numel();
+    const auto bound = float(std::sqrt(6.0 / double(taps * (parameter.size(0) + parameter.size(1)))));
+    const std::string& name = entry.key();
+    RandomStream stream(seed, RandomPurpose::initial_weights, uint32_t(checksum(name.data(), name.size())));
+    const torch::Tensor values = torch::empty(parameter.sizes(), torch::kFloat32);
+    float* value = values.data_ptr<float>();
+    for (int64_t i = 0; i < values.numel(); ++i) value[i] = stream.uniform(-bound, bound);
+    parameter.copy_(values);
+  }
+}
+
+}  // namespace ld

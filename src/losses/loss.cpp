@@ -1,0 +1,48 @@
+#include "losses/loss.h"
+
+#include <fmt/ranges.h>
+
+#include <map>
+
+#include "core/error.h"
+#include "losses/l2_tonemapped.h"
+#include "losses/smape.h"
+
+namespace ld {
+namespace {
+
+/// A new loss is one line here and one file beside this one.
+const std::map<std::string, Loss>& registry() {
+  static const std::map<std::string, Loss> losses = {
+      {"l2_tonemapped", l2_tonemapped},
+      {"smape", smape},
+  };
+  return losses;
+}
+
+}  // namespace
+
+std::vector<std::string> loss_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, loss] : registry()) names.push_back(name);
+  return names;
+}
+
+Loss make_loss(const std::string& name) {
+  const auto found = registry().find(name);
+  if (found == registry().end()) {
+    const std::string nearest = nearest_word(name, loss_names());
+    fail_usage("unknown loss '{}'; {}choose from {}", name,
+               nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest),
+               fmt::join(loss_names(), ", "));
+  }
+  return [name, loss = found->second](const torch::Tensor& denoised, const torch::Tensor& reference) {
+    if (denoised.sizes() != reference.sizes() || denoised.scalar_type() != reference.scalar_type())
+      fail("loss {}: the denoised image is {} [{}] and the reference {} [{}], expected the same", name,
+           toString(denoised.scalar_type()), fmt::join(denoised.sizes(), ", "),
+           toString(reference.scalar_type()), fmt::join(reference.sizes(), ", "));
+    return loss(denoised, reference);
+  };
+}
+
+}  // namespace ld

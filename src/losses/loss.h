@@ -1,0 +1,22 @@
+// The training losses, by name.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace ld {
+
+/// Scalar loss of a denoised image against its reference, both [B, 3, H, W] (any equal shapes), linear
+/// radiance >= 0, float32 or float64; differentiable in the denoised image. Throws Error when shapes or types
+/// differ.
+using Loss = std::function<torch::Tensor(const torch::Tensor& denoised, const torch::Tensor& reference)>;
+
+/// Throws UsageError with the nearest name when there is no such loss.
+Loss make_loss(const std::string& name);
+
+std::vector<std::string> loss_names();
+
+}  // namespace ld
