@@ -1,0 +1,102 @@
+#include "evaluation/evaluator.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include "core/signals.h"
+#include "evaluation/blur_sweep.h"
+#include "evaluation/gaussian_blur.h"
+#include "metrics/image_pair.h"
+#include "metrics/metric.h"
+
+namespace ld {
+namespace {
+
+/// The metrics' complaints know no names; this adds them.
+FrameScores score(const std::string& method, const std::string& frame, const Image& image,
+                  const Image& reference) {
+  FrameScores scores;
+  scores.frame = frame;
+  scores.not_finite = count_not_finite(image);
+  if (scores.not_finite > 0)
+    spdlog::warn("{}, frame {}: {} of {} values are NaN or infinite; the frame has no score", method, frame,
+                 scores.not_finite, image.pixels.size());
+  try {
+    for (const Metric& metric : metrics()) scores.values.push_back(metric.compute(image, reference));
+  } catch (const Error& error) {
+    fail("{}, frame {}: {}", method, frame, error.what());
+  }
+  return scores;
+}
+
+/// First pass: the widths of the blur. False when a stop was asked for.
+bool sweep_blurs(const FrameSet& frames, const EvaluatorOptions& options, BlurSweep& sweep) {
+  Progress progress("choosing the blur", static_cast<int64_t>(frames.count));
+  for (size_t i = 0; i < frames.count; ++i) {
+    if (stop_requested()) return false;
+    const EvaluationFrame frame = frames.load(i);
+    try {
+      sweep.add(frame.name, mean_radiance(frame.frame), frame.reference, options.threads);
+    } catch (const Error& error) {
+      fail("frame {}: {}", frame.name, error.what());
+    }
+    progress.advance();
+  }
+  return true;
+}
+
+size_t metric_index(const std::string& name) {
+  return static_cast<size_t>(&find_metric(name) - metrics().data());
+}
+
+}  // namespace
+
+std::optional<Evaluation> evaluate(const FrameSet& frames, const std::vector<Method>& methods,
+                                   const EvaluatorOptions& options) {
+  std::vector<std::string> names;
+  for (const Method& method : methods) names.push_back(method.name);
+  check_method_names(names);
+  if (frames.count == 0) fail("there is no frame to evaluate");
+
+  BlurSweep sweep;
+  if (!sweep_blurs(frames, options, sweep)) return std::nullopt;
+  const double shown_sigma = sweep.best_sigma(metric_index("psnr"));
+
+  Evaluation result;
+  result.methods.resize(2 + methods.size());
+  result.methods[0].name = "noisy";
+  result.methods[1] = sweep.scores();
+  for (size_t m = 0; m < methods.size(); ++m) result.methods[2 + m].name = methods[m].name;
+
+  // Second pass: everything else, one frame in memory at a time.
+  Progress progress("evaluating", static_cast<int64_t>(frames.count));
+  for (size_t i = 0; i < frames.count; ++i) {
+    if (stop_requested()) return std::nullopt;
+    const EvaluationFrame frame = frames.load(i);
+    std::vector<LabelledPicture> pictures;
+    pictures.push_back({"noisy", mean_radiance(frame.frame)});
+    result.methods[0].frames.push_back(score("noisy", frame.name, pictures[0].image, frame.reference));
+    if (options.on_pictures) pictures.push_back({"blur", gaussian_blur(pictures[0].image, shown_sigma)});
+
+    for (size_t m = 0; m < methods.size(); ++m) {
+      const auto start = std::chrono::steady_clock::now();
+      Image denoised = methods[m].denoise(frame.frame);
+      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+      FrameScores scores = score(methods[m].name, frame.name, denoised, frame.reference);
+      scores.seconds = elapsed.count();
+      result.methods[2 + m].frames.push_back(std::move(scores));
+      if (options.on_pictures) pictures.push_back({methods[m].name, std::move(denoised)});
+    }
+    if (options.on_pictures) {
+      pictures.push_back({"reference", frame.reference});
+      options.on_pictures(i, frame.name, pictures);
+    }
+    progress.advance();
+  }
+  return result;
+}
+
+}  // namespace ld

@@ -1,0 +1,47 @@
+// Scores the noisy mean, the best blur and any number of methods on a set of frames.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/method.h"
+#include "evaluation/scores.h"
+#include "frame/frame.h"
+
+namespace ld {
+
+struct EvaluationFrame {
+  std::string name;
+  Frame frame;      // sanitised
+  Image reference;  // [3, H, W], linear, of the frame's size
+};
+
+/// Frames that are loaded when they are needed, each twice: once to choose the blur, once to score.
+struct FrameSet {
+  size_t count = 0;
+  std::function<EvaluationFrame(size_t)> load;
+};
+
+struct LabelledPicture {
+  std::string label;
+  Image image;  // [3, H, W], linear
+};
+
+struct EvaluatorOptions {
+  int threads = 1;
+  /// Called once a frame, in order: noisy, blur (the width that PSNR chose), each method, reference. May be
+  /// empty.
+  std::function<void(size_t frame, const std::string& name, const std::vector<LabelledPicture>&)> on_pictures;
+};
+
+/// Methods `noisy` and `blur`, then `methods` in their order; Evaluation::data and split stay empty. A
+/// picture with NaN or infinite values scores NaN and is warned about. A stop signal ends it after the
+/// current frame: nothing is returned, because half a set's mean would mislead. Throws UsageError for bad
+/// method names; Error for an empty set, a reference or a denoised picture of another size, with the names of
+/// frame and method.
+std::optional<Evaluation> evaluate(const FrameSet& frames, const std::vector<Method>& methods,
+                                   const EvaluatorOptions& options);
+
+}  // namespace ld

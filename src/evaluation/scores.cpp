@@ -1,0 +1,38 @@
+#include "evaluation/scores.h"
+
+#include <limits>
+
+#include "core/error.h"
+
+namespace ld {
+
+double MethodScores::mean(size_t metric) const {
+  if (frames.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0;
+  for (const FrameScores& frame : frames) sum += frame.values.at(metric);
+  return sum / static_cast<double>(frames.size());
+}
+
+std::optional<double> MethodScores::mean_seconds() const {
+  if (frames.empty()) return std::nullopt;
+  double sum = 0;
+  for (const FrameScores& frame : frames) {
+    if (!frame.seconds) return std::nullopt;
+    sum += *frame.seconds;
+  }
+  return sum / static_cast<double>(frames.size());
+}
+
+int64_t MethodScores::not_finite() const {
+  int64_t sum = 0;
+  for (const FrameScores& frame : frames) sum += frame.not_finite;
+  return sum;
+}
+
+const MethodScores& Evaluation::method(const std::string& name) const {
+  for (const MethodScores& method : methods)
+    if (method.name == name) return method;
+  fail("the evaluation holds no method '{}'", name);
+}
+
+}  // namespace ld

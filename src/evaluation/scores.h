@@ -1,0 +1,40 @@
+// What an evaluation found: one number for each method, frame and metric.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ld {
+
+struct FrameScores {
+  std::string frame;
+  std::vector<double> values;     // in the order of metrics(); NaN when the picture held a NaN or an infinity
+  int64_t not_finite = 0;         // values of the picture that were NaN or infinite
+  std::optional<double> seconds;  // what denoising took; none for the baselines
+};
+
+struct MethodScores {
+  std::string name;
+  std::vector<FrameScores> frames;
+  std::vector<double> sigmas;  // of the blur: the width chosen for each metric, in pixels; empty for others
+
+  /// Mean of the frames' values of one metric (for PSNR the mean of dB). NaN as soon as one frame is NaN: a
+  /// broken frame is not averaged away.
+  double mean(size_t metric) const;
+  /// Mean over the frames; none when a frame has none.
+  std::optional<double> mean_seconds() const;
+  int64_t not_finite() const;
+};
+
+struct Evaluation {
+  std::string data;  // the folder, for people
+  std::string split;
+  std::vector<MethodScores> methods;  // noisy, blur, then the models as given
+
+  /// Throws Error when there is none of that name.
+  const MethodScores& method(const std::string& name) const;
+};
+
+}  // namespace ld
