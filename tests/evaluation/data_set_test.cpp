@@ -1,0 +1,81 @@
+// Frame sets from files: written by the project's own writer, read back for the evaluator.
+#include "evaluation/data_set.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "frame/frame_file.h"
+#include "frame/manifest.h"
+#include "tests/support/temporary_folder.h"
+#include "test_frames.h"
+
+namespace ld {
+namespace {
+
+class DataSetOnDisk : public testing::Test {
+ protected:
+  void SetUp() override {
+    Manifest manifest;
+    for (int i = 0; i < 3; ++i) {
+      const EvaluationFrame frame = noisy_frame("frame_" + std::to_string(i), 12, 9, 2, i);
+      write_frame(frame_path(folder_.path(), frame.name), frame.frame);
+      write_image(reference_path(folder_.path(), frame.name), frame.reference);
+      ManifestFrame entry;
+      entry.name = frame.name;
+      entry.split = i == 2 ? "train" : "test";
+      entry.index = i;
+      manifest.frames.push_back(entry);
+    }
+    add_to_manifest(folder_.path(), manifest);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(DataSetOnDisk, LoadsTheFramesOfTheSplitInOrder) {
+  const FrameSet frames = open_frame_set(folder_.path(), "test", {"radiance"}, 0);
+  ASSERT_EQ(frames.count, 2U);
+  for (size_t i = 0; i < 2; ++i) {
+    const EvaluationFrame expected = noisy_frame("frame_" + std::to_string(i), 12, 9, 2, static_cast<int>(i));
+    const EvaluationFrame loaded = frames.load(i);
+    EXPECT_EQ(loaded.name, expected.name);
+    EXPECT_EQ(loaded.frame.spp, 2);
+    ASSERT_EQ(loaded.reference.pixels.size(), expected.reference.pixels.size());
+    for (size_t p = 0; p < expected.reference.pixels.size(); ++p)
+      ASSERT_NEAR(loaded.reference.pixels[p] / expected.reference.pixels[p], 1,
+                  1e-3);  // half floats in the file
+    ASSERT_NEAR(loaded.frame.plane(1, 2)[50] / expected.frame.plane(1, 2)[50], 1, 1e-3);
+  }
+  EXPECT_EQ(open_frame_set(folder_.path(), "test", {"radiance"}, 1).count, 1U);
+  EXPECT_EQ(open_frame_set(folder_.path(), "train", {"radiance"}, 9).count, 1U);
+}
+
+TEST_F(DataSetOnDisk, EvaluatesFromTheFiles) {
+  const auto result = evaluate(open_frame_set(folder_.path(), "test", {"radiance"}, 0), {}, {});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->method("noisy").frames.size(), 2U);
+  EXPECT_LT(result->method("blur").mean(0), result->method("noisy").mean(0));
+}
+
+TEST_F(DataSetOnDisk, AReferenceOfAnotherSizeNamesBothFilesAndSizes) {
+  write_image(reference_path(folder_.path(), "frame_1"), Image(11, 9, 3));
+  const FrameSet frames = open_frame_set(folder_.path(), "test", {"radiance"}, 0);
+  const std::string message = message_of([&] { frames.load(1); });
+  for (const std::string part : {"frame_1.exr is 12x9", "frame_1.reference.exr is 11x9"})
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+TEST_F(DataSetOnDisk, MissingThingsAreNamed) {
+  EXPECT_NE(message_of([&] { open_frame_set(folder_ / "nowhere", "test", {"radiance"}, 0); }).find("nowhere"),
+            std::string::npos);
+  const std::string no_split =
+      message_of([&] { open_frame_set(folder_.path(), "validation", {"radiance"}, 0); });
+  EXPECT_NE(no_split.find("validation"), std::string::npos) << no_split;
+  std::filesystem::remove(reference_path(folder_.path(), "frame_0"));
+  const FrameSet frames = open_frame_set(folder_.path(), "test", {"radiance"}, 0);
+  EXPECT_NE(message_of([&] { frames.load(0); }).find("frame_0.reference.exr"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ld

@@ -1,0 +1,103 @@
+#include "evaluation/tables.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+namespace ld {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Evaluation example() {
+  Evaluation evaluation;
+  evaluation.data = "data/test";
+  evaluation.split = "test";
+  evaluation.methods.resize(3);
+  evaluation.methods[0].name = "noisy";
+  evaluation.methods[0].frames = {{"f0", {0.25, 0.125, 0.5, 20}, 0, {}},
+                                  {"f1", {0.75, 0.25, 0.75, 30}, 0, {}}};
+  evaluation.methods[1].name = "blur";
+  evaluation.methods[1].frames = {{"f0", {0.125, 0.1, 0.6, 25}, 0, {}}, {"f1", {0.25, 0.2, 0.8, 35}, 0, {}}};
+  evaluation.methods[1].sigmas = {2, 1, 0.5, 8};
+  evaluation.methods[2].name = "a|b, \"c\"";
+  evaluation.methods[2].frames = {{"f0", {4.3e13, 0.00001, 1, kInfinity}, 0, 0.5},
+                                  {"f1", {kNan, kNan, kNan, kNan}, 7, 1.5}};
+  return evaluation;
+}
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> result;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+TEST(Tables, MarkdownMeansReadAsATable) {
+  const std::vector<std::string> table = lines(markdown_means(example()));
+  ASSERT_GE(table.size(), 12U);
+  EXPECT_EQ(table[0], "| method    | relMSE |  SMAPE |   SSIM |  PSNR | s/frame |");
+  EXPECT_EQ(table[1], "| :-------- | -----: | -----: | -----: | ----: | ------: |");
+  EXPECT_EQ(table[2], "| noisy     | 0.5000 | 0.1875 | 0.6250 | 25.00 |       - |");
+  EXPECT_EQ(table[3], "| blur      | 0.1875 | 0.1500 | 0.7000 | 30.00 |       - |");
+  EXPECT_EQ(table[4], "| a\\|b, \"c\" |    nan |    nan |    nan |   nan |   1.000 |");
+  EXPECT_EQ(table[6], "- relMSE: lower is better; linear radiance, epsilon 0.0001");
+  EXPECT_EQ(table[9].substr(0, 25), "- PSNR: higher is better;");
+  EXPECT_EQ(table[10],
+            "- blur: Gaussian, its width chosen for each metric: 2 px for relMSE, 1 px for SMAPE, 0.5 px for "
+            "SSIM (end of the "
+            "sweep), 8 px for PSNR (end of the sweep)");
+  EXPECT_NE(table[11].find("7 values are NaN or infinite"), std::string::npos);
+}
+
+TEST(Tables, MarkdownFramesHasARowForEachFrameAndMethod) {
+  const std::vector<std::string> table = lines(markdown_frames(example()));
+  ASSERT_EQ(table.size(), 8U);
+  EXPECT_EQ(table[2], "| f0    | noisy     |    0.2500 |    0.1250 | 0.5000 | 20.00 |       - |");
+  // Neither digits without end nor a number that rounds to nothing.
+  EXPECT_EQ(table[4], "| f0    | a\\|b, \"c\" | 4.300e+13 | 1.000e-05 | 1.0000 |   inf |   0.500 |");
+  EXPECT_EQ(table[7], "| f1    | a\\|b, \"c\" |       nan |       nan |    nan |   nan |   1.500 |");
+}
+
+TEST(Tables, CsvHoldsFullPrecisionMeansAndQuotes) {
+  Evaluation evaluation = example();
+  evaluation.methods[0].frames[0].values[0] = 0.1 + 0.2;
+  const std::vector<std::string> table = lines(to_csv(evaluation));
+  ASSERT_EQ(table.size(), 10U);
+  EXPECT_EQ(table[0], "method,frame,relmse,smape,ssim,psnr,seconds,not_finite");
+  EXPECT_EQ(table[1], "noisy,f0,0.30000000000000004,0.125,0.5,20,,0");
+  EXPECT_EQ(table[6], "blur,mean,0.1875,0.15000000000000002,0.7,30,,0");
+  EXPECT_EQ(table[7], "\"a|b, \"\"c\"\"\",f0,43000000000000,1e-05,1,inf,0.5,0");
+  EXPECT_EQ(table[9], "\"a|b, \"\"c\"\"\",mean,nan,nan,nan,nan,1,7");
+}
+
+TEST(Tables, JsonHasTheAgreedShapeAndNullForWhatIsNoNumber) {
+  // Through text, as a reader would get it.
+  const auto json = nlohmann::json::parse(to_json(example()).dump(2));
+  EXPECT_EQ(json["relmse_epsilon"], 1e-4);
+  EXPECT_EQ(json["smape_epsilon"], 0.01);
+  EXPECT_EQ(json["frame_count"], 2);
+  EXPECT_EQ(json["split"], "test");
+  EXPECT_EQ(json["metrics"]["ssim"]["better"], "higher");
+  EXPECT_EQ(json["methods"].size(), 3U);
+  EXPECT_EQ(json["methods"]["noisy"]["mean"],
+            (nlohmann::json{{"relmse", 0.5}, {"smape", 0.1875}, {"ssim", 0.625}, {"psnr", 25}}));
+  EXPECT_EQ(json["methods"]["noisy"]["frames"][1]["name"], "f1");
+  EXPECT_EQ(json["methods"]["noisy"]["frames"][1]["relmse"], 0.75);
+  EXPECT_EQ(json["methods"]["blur"]["sigma"]["relmse"], 2);
+  EXPECT_FALSE(json["methods"]["noisy"].contains("seconds"));
+  EXPECT_FALSE(json["methods"]["noisy"].contains("sigma"));
+  const auto& broken = json["methods"]["a|b, \"c\""];
+  EXPECT_TRUE(broken["frames"][0]["psnr"].is_null());
+  EXPECT_EQ(broken["frames"][0]["relmse"], 4.3e13);
+  EXPECT_TRUE(broken["mean"]["relmse"].is_null());
+  EXPECT_TRUE(broken["mean"].contains("relmse"));
+  EXPECT_EQ(broken["not_finite"], 7);
+  EXPECT_EQ(broken["frames"][1]["not_finite"], 7);
+  EXPECT_EQ(broken["seconds"], 1.0);
+}
+
+}  // namespace
+}  // namespace ld
