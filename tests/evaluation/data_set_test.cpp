@@ -7,8 +7,8 @@
 
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
-#include "tests/support/temporary_folder.h"
 #include "test_frames.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ld {
 namespace {
