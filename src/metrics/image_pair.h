@@ -3,6 +3,8 @@
 // Domain of all metrics: denoised and reference are [3, H, W], linear scene-referred radiance, H and W at
 // least 1.
 //   - Any finite float is fine, up to 3.4e38 and down to denormals: sums and squares are taken in double.
+//   (Programs that
+//     let the CPU flush denormals, as those with LibTorch do, see 1e-39 as 0, which no score can tell.)
 //   - relMSE and SMAPE take negative values as they are; on tone-mapped values (PSNR, SSIM) they count as
 //   black.
 //   - A NaN or an infinity anywhere in the denoised picture makes every metric NaN. Were each pixel to follow
