@@ -1,0 +1,32 @@
+// Whole pictures: the samples of a frame and its reference.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "frame/frame.h"
+#include "render/path_tracer.h"
+
+namespace ld {
+
+struct RenderSettings {
+  uint64_t seed = 0;
+  uint32_t frame = 0;  // index in the recipe: another frame, other random numbers
+  int spp = 8;
+  int threads = 1;
+  PathSettings path;
+  std::function<bool()> stop;                   // asked between pixels; true: give up
+  std::function<void(int64_t paths)> progress;  // called from any thread as tiles finish
+};
+
+/// spp samples of every pixel of the scene's camera, with guides, unfiltered. Sample s of pixel p takes its
+/// numbers from RandomStream(seed, input_samples, frame, p, s), so threads do not matter. info.seed, frame,
+/// scene, camera and depth_scale are filled. Empty when stopped.
+std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSettings& settings);
+
+/// Mean radiance [3, H, W] of spp samples of the purpose `reference`, one pixel box filter, accumulated in
+/// double. Empty when stopped.
+std::optional<Image> render_reference(const PreparedScene& scene, const RenderSettings& settings);
+
+}  // namespace ld

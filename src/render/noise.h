@@ -1,0 +1,20 @@
+// Gradient noise in space (Perlin, "Improving noise", SIGGRAPH 2002) and its fractal sum.
+#pragma once
+
+#include <cstdint>
+
+#include "render/vec3.h"
+
+namespace ld {
+
+/// Smooth, about in [-1, 1], zero on the integer lattice; features are one unit apart. `seed` chooses the
+/// pattern.
+float gradient_noise(Vec3 p, uint32_t seed);
+
+/// Sum of `octaves` noises of doubling frequency and halving amplitude, about in [-1, 1].
+float fractal_noise(Vec3 p, int octaves, uint32_t seed);
+
+/// A hash of lattice coordinates, uniform over 32 bits.
+uint32_t lattice_hash(int32_t x, int32_t y, int32_t z, uint32_t seed);
+
+}  // namespace ld

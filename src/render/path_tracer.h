@@ -1,0 +1,56 @@
+// Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997; Kajiya
+// 1986). No Russian roulette and no clamping: the estimate is unbiased for paths of at most `max_bounces`
+// scatterings.
+#pragma once
+
+#include <array>
+
+#include "core/random.h"
+#include "frame/schema.h"
+#include "render/prepared_scene.h"
+
+namespace ld {
+
+/// How direct light is found. All three agree in the mean, up to what light sampling cannot see.
+enum class LightStrategy { mis, light_sampling, bsdf_sampling };
+
+struct PathSettings {
+  int max_bounces = 5;  // scatterings between camera and light; 0 shows only what shines itself
+  LightStrategy strategy = LightStrategy::mis;
+};
+
+/// What the first hit of a path says about the surface, in the units of frame/schema.cpp:
+/// - normal: the shading normal in view space, turned to the viewer's side; 0 where the ray escaped;
+/// - depth: of the hit along the view axis, kEscapedDepth where the ray escaped;
+/// - albedo: colour of diffuse surfaces, what dielectrics transmit, an area light's radiance scaled to a
+/// maximum of 1;
+///   0 for conductors, mirrors and the sky;
+/// - specular: reflectance at normal incidence of conductors, mirrors and dielectrics ((n-1)^2/(n+1)^2), else
+/// 0;
+/// - roughness: square root of GGX's alpha; 1 for diffuse surfaces and lights, 0 for mirror, smooth
+/// dielectric and sky;
+/// - motion: of the hit point through the lens centre from shutter open to close, 0 with an instant shutter;
+/// - coc: circle of confusion at the hit's depth, in the limit where the ray escaped.
+struct Guides {
+  Vec3 normal;
+  float depth = kEscapedDepth;
+  Vec3 albedo, specular;
+  float roughness = 0;
+  Vec2 motion;
+  float coc = 0;
+};
+
+/// Radiance along one random path that begins with `ray`; `guides`, when given, receives what the first hit
+/// says.
+Vec3 trace_path(const PreparedScene& scene, const Ray& ray, float time, RandomStream& random,
+                const PathSettings& settings, Guides* guides = nullptr);
+
+/// A uniform place on the pixel, on the lens and in the shutter interval; always takes five numbers. A
+/// pinhole's lens position is (0, 0) and an instant shutter's time 0: there is nothing to know there.
+CameraSample draw_camera_sample(const Camera& camera, int x, int y, RandomStream& random);
+
+/// One sample with its guides in the channel order of frame/schema.h.
+std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
+                                                RandomStream& random, const PathSettings& settings);
+
+}  // namespace ld
