@@ -37,7 +37,9 @@ TEST(Augmentation, FourTurnsAreTheIdentity) {
   for (int turn = 0; turn < 4; ++turn) {
     turned = apply(turned, whole(turned, false, false, 1));
     EXPECT_EQ(turned.width, turn % 2 == 0 ? 5 : 7);
-    if (turn < 3) EXPECT_NE(turned.samples, frame.samples);
+    if (turn < 3) {
+      EXPECT_NE(turned.samples, frame.samples);
+    }
   }
   EXPECT_EQ(turned.samples, frame.samples);
   EXPECT_EQ(turned.valid, frame.valid);
