@@ -1,8 +1,10 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfMultiPartOutputFile.h>
 #include <ImfPartType.h>
 #include <ImfTiledOutputPart.h>
+#include <half.h>
 
 #include <algorithm>
 #include <cmath>

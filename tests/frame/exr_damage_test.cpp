@@ -1,6 +1,7 @@
 // Files that are damaged, hostile or from elsewhere: each is read right or gives one clear Error.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfIntAttribute.h>
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
@@ -187,6 +188,10 @@ TEST(DamagedExr, LyingHeadersAllocateNothing) {
   EXPECT_ERROR(read_changed("dataWindow", "box2i", 8, 1 << 30), "the data window is 1073741825 x 2");
   EXPECT_ERROR(read_changed("dataWindow", "box2i", 8, -5), "the data window is -4 x 2");
   EXPECT_ERROR(read_changed("dataWindow", "box2i", 0, INT32_MIN), "data window");
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 8, 3), "chunk 0 does not hold the 48 bytes");
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 8, 1), "chunk 0 does not hold the 24 bytes");
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 12, 2), "chunk 0 does not hold the 54 bytes");
+  EXPECT_ERROR(read_changed("dataWindow", "box2i", 8, 16000), "chunk 0 does not hold");
   EXPECT_ERROR(read_changed("dataWindow", "box2i", 12, 16000), "cannot be in a file of");
   EXPECT_ERROR(read_changed("channels", "chlist", 2, 7), "channel 'B' has pixel type 7");
   EXPECT_ERROR(read_changed("channels", "chlist", 10, 0), "sampling 0 x 1");

@@ -1,7 +1,7 @@
 // Frames of plausible random samples, exactly representable as half floats.
 #pragma once
 
-#include <ImfHeader.h>
+#include <half.h>
 
 #include "core/random.h"
 #include "frame/frame.h"

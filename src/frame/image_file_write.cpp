@@ -1,7 +1,9 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfOutputFile.h>
 #include <OpenImageIO/imageio.h>
+#include <half.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +12,6 @@
 #include "core/file_io.h"
 #include "core/tone_map.h"
 #include "frame/exr_check.h"
-#include "frame/exr_reader.h"
 #include "frame/frame_file.h"
 
 namespace ld {
@@ -75,26 +76,6 @@ void write_image(const fs::path& path, const Image& image) {
   write_atomically(path, [&](const fs::path& temporary) {
     extension == ".exr" ? write_exr(temporary, image) : write_png(temporary, image);
   });
-}
-
-Image read_image(const fs::path& path, int64_t* bad_pixels) {
-  const ExrReader exr(path);
-  Image image(exr.width(0), exr.height(0), 3);
-  std::vector<ExrPlane> planes;
-  for (int c = 0; c < 3; ++c) {
-    const std::string channel(1, "RGB"[c]);
-    exr.require_channel(0, channel, "expected R, G and B in the first part; write the picture there");
-    planes.push_back({channel, image.plane(c)});
-  }
-  exr.read(0, planes);
-  int64_t bad = 0;
-  for (float& value : image.pixels) {
-    if (std::isfinite(value) && value >= 0) continue;
-    value = 0;
-    ++bad;
-  }
-  if (bad_pixels != nullptr) *bad_pixels = bad;
-  return image;
 }
 
 }  // namespace ld
