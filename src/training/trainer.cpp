@@ -8,7 +8,6 @@
 #include "core/log.h"
 #include "core/progress.h"
 #include "core/signals.h"
-#include "losses/loss.h"
 #include "metrics/metric.h"
 #include "training/run_folder.h"
 #include "training/schedule.h"

@@ -4,12 +4,12 @@
 #include <torch/torch.h>
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 
 #include "dataset/training_set.h"
+#include "losses/loss.h"
 #include "models/network.h"
 #include "training/checkpoint.h"
 #include "training/config.h"
@@ -43,7 +43,7 @@ class Trainer {
   TrainingSet training_set_;
   std::unique_ptr<FrameStore> validation_;  // none when the data set has no validation split
   std::shared_ptr<Network> network_;
-  std::function<torch::Tensor(torch::Tensor, torch::Tensor)> loss_;
+  Loss loss_;
   torch::optim::Adam optimizer_;
   CheckpointFolder checkpoints_;
   TrainingState state_;
