@@ -133,7 +133,7 @@ void splat_backward(const SplatShape& shape, const T* probabilities, const T* va
                     const T* out_gradient, const int32_t* argmax, T* logits_gradient, T* log_n_gradient,
                     T* values_gradient, T* scratch, int64_t y) {
   const int64_t width = shape.width, row = y * width;
-  T* __restrict pull = scratch;             // sum over channels of out_gradient * (value - out), at one tap
+  T* __restrict pull = scratch;             // gradient of the exponent at one tap
   T* __restrict maximum = scratch + width;  // gradient of m_p
   std::fill_n(maximum, width, T(0));
   for (int64_t l = 0; l < shape.layers; ++l) {
@@ -157,12 +157,13 @@ void splat_backward(const SplatShape& shape, const T* probabilities, const T* va
         const T* __restrict v = values + plane + row + begin;
         T* __restrict v_gradient = values_gradient + plane + row + begin;
         for (int64_t i = 0; i < count; ++i) {
-          pull[i] += g[i] * (v[i] - o[i]);
+          // The probability first: a value of 3e38 that has none must give 0, not 0 * infinity.
+          pull[i] += g[i] * (p[i] * (v[i] - o[i]));
           v_gradient[i] += p[i] * g[i];
         }
       }
       for (int64_t i = 0; i < count; ++i) {
-        const T u = p[i] * pull[i];
+        const T u = pull[i];
         gradient[begin + i] = u;
         n_gradient[begin + i] += u;
         maximum[begin + i] -= u;

@@ -1,6 +1,7 @@
 #include "ops/sum_loops.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace ld {
 namespace {
@@ -9,6 +10,21 @@ namespace {
 template <class T>
 void add_product(const T* __restrict a, const T* __restrict b, T* __restrict out, int64_t count) {
   for (int64_t i = 0; i < count; ++i) out[i] += a[i] * b[i];
+}
+
+/// Bound of a product in the gradient of the weights. A gradient times a radiance of 3e38 may overflow
+/// although the weight's own derivative, with which it is multiplied next, is 0: the product must stay
+/// finite, or that is NaN. Room for the sum over 8192 channels.
+template <class T>
+constexpr T kLargestProduct = std::numeric_limits<T>::max() / 8192;
+
+template <class T>
+void add_bounded_product(const T* __restrict a, const T* __restrict b, T* __restrict out, int64_t count) {
+  for (int64_t i = 0; i < count; ++i) {
+    const T product = a[i] * b[i];
+    const T below = product < kLargestProduct<T> ? product : kLargestProduct<T>;
+    out[i] += below > -kLargestProduct<T> ? below : -kLargestProduct<T>;
+  }
 }
 
 }  // namespace
@@ -36,8 +52,8 @@ void sum_samples_weights_gradient(const SumShape& shape, const T* gradient, cons
       T* row = weights_gradient + (s * shape.layers + l) * shape.plane + begin;
       std::fill_n(row, count, T(0));
       for (int64_t c = 0; c < shape.channels; ++c)
-        add_product(gradient + (l * shape.channels + c) * shape.plane + begin,
-                    values + (s * shape.channels + c) * shape.plane + begin, row, count);
+        add_bounded_product(gradient + (l * shape.channels + c) * shape.plane + begin,
+                            values + (s * shape.channels + c) * shape.plane + begin, row, count);
     }
 }
 

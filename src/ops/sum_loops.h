@@ -15,7 +15,8 @@ template <class T>
 void sum_samples(const SumShape& shape, const T* weights, const T* values, T* out, int64_t begin,
                  int64_t end);
 
-/// weights_gradient[s][l][p] = sum over c of gradient[l][c][p] * values[s][c][p].
+/// weights_gradient[s][l][p] = sum over c of gradient[l][c][p] * values[s][c][p], each product bounded to
+/// stay finite.
 template <class T>
 void sum_samples_weights_gradient(const SumShape& shape, const T* gradient, const T* values,
                                   T* weights_gradient, int64_t begin, int64_t end);
