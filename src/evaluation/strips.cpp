@@ -95,7 +95,7 @@ void StripWriter::add(size_t frame, const std::string& name, const std::vector<L
 }
 
 std::filesystem::path StripWriter::finish() const {
-  const std::filesystem::path path = folder_ / "comparison.png";
+  std::filesystem::path path = folder_ / "comparison.png";
   write_image(path, stack_strips(chosen_));
   return path;
 }
