@@ -90,9 +90,10 @@ Mesh make_torus(float tube, int around, int across) {
   return mesh;
 }
 
-Mesh make_blob(float amplitude, float frequency, uint32_t seed, int levels) {
+Mesh make_blob(float amplitude, float frequency, int octaves, uint32_t seed, int levels) {
   Mesh mesh = make_sphere(levels);
-  for (Vec3& p : mesh.positions) p *= 1 + amplitude * fractal_noise(p * frequency + grey(7.3F), 4, seed);
+  for (Vec3& p : mesh.positions)
+    p *= 1 + amplitude * fractal_noise(p * frequency + grey(7.3F), octaves, seed);
   smooth_normals(mesh);
   return mesh;
 }

@@ -22,7 +22,7 @@ Mesh make_box();
 /// Ring of radius 1 in the xz plane, the tube's radius `tube` below 1.
 Mesh make_torus(float tube, int around, int across);
 /// Unit sphere displaced along its normals by `amplitude` times fractal noise of `frequency` cells a unit.
-Mesh make_blob(float amplitude, float frequency, uint32_t seed, int levels);
+Mesh make_blob(float amplitude, float frequency, int octaves, uint32_t seed, int levels);
 /// The square [-size, size]^2 in the xz plane, facing +y, as cells^2 squares displaced in y by `amplitude`
 /// times fractal noise of `frequency` cells a unit; flat when the amplitude is 0.
 Mesh make_ground(float size, int cells, float amplitude, float frequency, uint32_t seed);

@@ -30,10 +30,8 @@ uint32_t lattice_hash(int32_t x, int32_t y, int32_t z, uint32_t seed) {
 }
 
 float gradient_noise(Vec3 p, uint32_t seed) {
-  const Vec3 cell = {std::floor(p.x), std::floor(p.y), std::floor(p.z)};
-  const auto ix = static_cast<int32_t>(cell.x), iy = static_cast<int32_t>(cell.y),
-             iz = static_cast<int32_t>(cell.z);
-  const Vec3 f = p - cell;
+  const int32_t ix = floor_to_int(p.x), iy = floor_to_int(p.y), iz = floor_to_int(p.z);
+  const Vec3 f = {p.x - static_cast<float>(ix), p.y - static_cast<float>(iy), p.z - static_cast<float>(iz)};
   const float u = fade(f.x), v = fade(f.y), w = fade(f.z);
   float planes[2];
   for (int k = 0; k < 2; ++k) {

@@ -14,6 +14,12 @@ float gradient_noise(Vec3 p, uint32_t seed);
 /// Sum of `octaves` noises of doubling frequency and halving amplitude, about in [-1, 1].
 float fractal_noise(Vec3 p, int octaves, uint32_t seed);
 
+/// The whole number at or below x, |x| < 2^31: without SSE 4.1 std::floor is a call into the C library.
+inline int32_t floor_to_int(float x) {
+  const auto truncated = static_cast<int32_t>(x);
+  return truncated - (x < static_cast<float>(truncated) ? 1 : 0);
+}
+
 /// A hash of lattice coordinates, uniform over 32 bits.
 uint32_t lattice_hash(int32_t x, int32_t y, int32_t z, uint32_t seed);
 

@@ -62,6 +62,13 @@ Vec3 direct_light(const PreparedScene& scene, const Vertex& vertex, float time, 
   return contribution * (weight / light->pdf);
 }
 
+/// Whether light sampling alone serves a vertex: at the last one a ray on would only look for lamps, which a
+/// diffuse surface finds as well by sampling them. Saves one ray in eleven.
+bool ends_here(const Vertex& vertex, int bounce, const PathSettings& settings) {
+  return bounce > 0 && bounce + 1 == settings.max_bounces && vertex.bsdf.kind == MaterialKind::diffuse &&
+         settings.strategy == LightStrategy::mis;
+}
+
 /// The share of light that a BSDF sample may claim when it runs into a light of this density.
 float claim(bool only_way, float bsdf_pdf, float light_pdf, LightStrategy strategy) {
   if (only_way || strategy == LightStrategy::bsdf_sampling) return 1;
@@ -143,8 +150,11 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Ra
       describe_material(scene, vertex, scene.material_of(*surface), *guides);
     if (bounce == settings.max_bounces) return radiance;
 
-    if (!vertex.bsdf.is_delta() && scene.has_lights() && settings.strategy != LightStrategy::bsdf_sampling)
-      radiance += throughput * direct_light(scene, vertex, time, settings.strategy, random);
+    const bool last = ends_here(vertex, bounce, settings);
+    const LightStrategy strategy = last ? LightStrategy::light_sampling : settings.strategy;
+    if (!vertex.bsdf.is_delta() && scene.has_lights() && strategy != LightStrategy::bsdf_sampling)
+      radiance += throughput * direct_light(scene, vertex, time, strategy, random);
+    if (last) return radiance;
 
     const float u0 = random.uniform(), u1 = random.uniform(), u2 = random.uniform();
     const std::optional<BsdfSample> scattered = vertex.bsdf.sample(vertex.wo, u0, u1, u2);

@@ -77,19 +77,19 @@ Material random_material(RandomStream& random, float size) {
   Material material;
   const float kind = random.uniform();
   material.ior = random.uniform(1.3F, 1.7F);
-  if (kind < 0.45F) {
+  if (kind < 0.5F) {
     material.kind = MaterialKind::diffuse;
     material.colour = random_texture(random, size);
     material.roughness = 1;
-  } else if (kind < 0.65F) {
+  } else if (kind < 0.7F) {
     material.kind = MaterialKind::rough_conductor;
     material.colour = chance(random, 0.5) ? plain(metal_colour(random)) : random_texture(random, size);
     material.roughness = random.uniform(0.2F, 0.75F);
-  } else if (kind < 0.73F) {
+  } else if (kind < 0.78F) {
     material.kind = MaterialKind::mirror;
     material.colour = plain(metal_colour(random) * 0.98F);
     material.roughness = 0;
-  } else if (kind < 0.85F) {
+  } else if (kind < 0.88F) {
     material.kind = MaterialKind::smooth_dielectric;
     material.colour = plain(glass_colour(random));
     material.roughness = 0;

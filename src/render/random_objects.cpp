@@ -23,19 +23,20 @@ Mesh random_shape(RandomStream& random, Vec3& scale, bool& upright) {
       const float tube = random.uniform(0.15F, 0.45F);
       scale = grey(1 / (1 + tube));
       upright = chance(random, 0.4);
-      return make_torus(tube, 40, 20);
+      return make_torus(tube, 32, 16);
     }
     default: {
       const float amplitude = random.uniform(0.15F, 0.6F), frequency = random.uniform(0.8F, 2.5F);
+      const uint32_t seed = random.bits();
       scale = grey(0.9F);
-      return make_blob(amplitude, frequency, random.bits(), 4);
+      return make_blob(amplitude, frequency, 1 + static_cast<int>(random.below(3)), seed, 3);
     }
   }
 }
 
 }  // namespace
 
-std::vector<Vec3> add_random_objects(Scene& scene, const Stage& stage, int count, RandomStream& random) {
+void add_random_objects(Scene& scene, const Stage& stage, int count, RandomStream& random) {
   struct Ball {
     Vec3 centre;
     float radius;
@@ -83,9 +84,6 @@ std::vector<Vec3> add_random_objects(Scene& scene, const Stage& stage, int count
     scene.objects.push_back(std::move(object));
     taken.push_back(ball);
   }
-  std::vector<Vec3> centres;
-  for (const Ball& ball : taken) centres.push_back(ball.centre);
-  return centres;
 }
 
 }  // namespace ld

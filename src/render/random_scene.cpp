@@ -50,7 +50,7 @@ void add_room(Scene& scene, Vec3 half, float height, RandomStream& random) {
 void add_lamps(Scene& scene, Vec3 half, float height, RandomStream& random) {
   const uint32_t count = 1 + random.below(4);
   for (uint32_t i = 0; i < count; ++i) {
-    const float width = log_uniform(random, 0.25F, 1.1F), depth = log_uniform(random, 0.25F, 1.1F);
+    const float width = log_uniform(random, 0.3F, 1.2F), depth = log_uniform(random, 0.3F, 1.2F);
     const bool hangs = chance(random, 0.6);
     const Basis tilt = random_rotation(random);
     // Facing down, cross(u, v) = -y, before it is tilted.
@@ -69,10 +69,16 @@ void add_lamps(Scene& scene, Vec3 half, float height, RandomStream& random) {
     if (dot(cross(u, v), {0, -1, 0}) < 0) std::swap(u, v);
     const float power = random.uniform(0.4F, 1);
     scene.lights.push_back({centre - 0.5F * (u + v), u, v, light_colour(random) * (power / (width * depth))});
+    if (hangs) continue;
+    // The back of a free lamp is an ordinary surface, lifted off the lamp by a centimetre.
+    const Vec3 behind = normalize(cross(u, v)) * -0.01F;
+    const int housing = add_material(scene, random_wall_material(random, 1));
+    scene.objects.push_back({make_parallelogram(centre - 0.5F * (u + v) + behind, v, u), housing, {}});
   }
 }
 
-void build_indoor(Scene& scene, int objects, RandomStream& random) {
+/// Returns the index of the first object that is not part of the room.
+size_t build_indoor(Scene& scene, int objects, RandomStream& random) {
   const Vec3 half = {random.uniform(2.3F, 4.2F), 0, random.uniform(2.3F, 4.2F)};
   const float height = random.uniform(2.6F, 4.2F);
   add_room(scene, half, height, random);
@@ -96,7 +102,9 @@ void build_indoor(Scene& scene, int objects, RandomStream& random) {
   stage.smallest = 0.15F;
   stage.largest = 0.75F;
   stage.floating = 0.35;
+  const size_t first_object = scene.objects.size();
   add_random_objects(scene, stage, objects, random);
+  return first_object;
 }
 
 void add_sky(Scene& scene, RandomStream& random) {
@@ -136,7 +144,8 @@ void add_sky(Scene& scene, RandomStream& random) {
       const uint32_t count = 1 + random.below(3);
       for (uint32_t i = 0; i < count; ++i) {
         const float elevation = random.uniform(0.35F, 1.3F), azimuth = random.uniform(0, 2 * kPi);
-        const Vec3 irradiance = light_colour(random) * random.uniform(0.7F, 2);
+        const Vec3 tint = light_colour(random);
+        const Vec3 irradiance = tint * random.uniform(0.7F, 2);
         add_patch(towards(elevation, azimuth), random.uniform(0.1F, 0.3F), irradiance);
       }
       break;
@@ -146,7 +155,8 @@ void add_sky(Scene& scene, RandomStream& random) {
   scene.sky = sky;
 }
 
-void build_outdoor(Scene& scene, int objects, RandomStream& random) {
+/// Returns the index of the first object that is not ground.
+size_t build_outdoor(Scene& scene, int objects, RandomStream& random) {
   add_sky(scene, random);
   const bool hilly = chance(random, 0.5);
   const float amplitude = hilly ? random.uniform(0.2F, 0.9F) : 0.0F, frequency = random.uniform(0.12F, 0.3F);
@@ -178,7 +188,9 @@ void build_outdoor(Scene& scene, int objects, RandomStream& random) {
   stage.smallest = 0.25F;
   stage.largest = 1.2F;
   stage.floating = 0.2;
+  const size_t first_object = scene.objects.size();
   add_random_objects(scene, stage, objects, random);
+  return first_object;
 }
 
 /// Depth along the view axis of an object that the camera sees, for the lens to focus on.
@@ -258,11 +270,8 @@ Scene random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame, uin
   const auto span = static_cast<uint32_t>(std::max<int64_t>(0, config.objects[1] - config.objects[0]));
   const int objects = static_cast<int>(config.objects[0]) + static_cast<int>(random.below(span + 1));
   const bool defocus = chance(random, config.defocus), motion_blur = chance(random, config.motion_blur);
-  if (indoor)
-    build_indoor(scene, objects, random);
-  else
-    build_outdoor(scene, objects, random);
-  const size_t first_object = indoor ? 6 : 2;  // behind the walls or the ground
+  const size_t first_object =
+      indoor ? build_indoor(scene, objects, random) : build_outdoor(scene, objects, random);
   scene.camera.focus_distance = random_focus(scene, first_object, random);
   // How far the background blurs, as a share of the picture's height.
   const float blur = log_uniform(random, 0.008F, 0.05F) * static_cast<float>(height);
