@@ -8,6 +8,7 @@
 #include "core/log.h"
 #include "core/signals.h"
 #include "frame/frame_file.h"
+#include "frame/frame_pair.h"
 #include "inference/denoiser.h"
 #include "ops/runtime.h"
 
@@ -28,9 +29,7 @@ nlohmann::ordered_json denoise_file(const ld::Denoiser& denoiser, const fs::path
   const ld::Image image = denoiser.denoise(frame);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ld::write_image(output, image);
-  if (faults.any())
-    spdlog::warn("{}: {} samples with NaN or infinity masked out, {} negative radiance values set to 0",
-                 input.string(), faults.not_finite, faults.negative);
+  ld::warn_about_faults(input, faults);
   spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s: {}", input.string(), frame.width, frame.height,
                frame.spp, seconds, output.string());
   return {{"input", input.string()},

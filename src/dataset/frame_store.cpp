@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/log.h"
 #include "frame/frame_file.h"
+#include "frame/frame_pair.h"
 
 namespace ld {
 
@@ -37,23 +37,11 @@ FrameStore::FrameStore(std::filesystem::path folder, const std::string& split,
 
 std::shared_ptr<const StoredFrame> FrameStore::get(size_t index) {
   if (memory_[index]) return memory_[index];
-  const ManifestFrame& entry = frames_[index];
-  verify_frame(folder_, entry);
-  const std::filesystem::path path = frame_path(folder_, entry.name);
+  FramePair pair = read_frame_pair(folder_, frames_[index], features_);
+  warn_about_faults(folder_, frames_[index], pair);
   auto stored = std::make_shared<StoredFrame>();
-  Faults faults;
-  stored->frame = to_half(read_frame(path, features_, faults));
-  int64_t bad_reference_channels = 0;
-  stored->reference = read_image(reference_path(folder_, entry.name), &bad_reference_channels);
-  if (stored->reference.width != stored->frame.width || stored->reference.height != stored->frame.height)
-    fail("{} is {}x{} but its reference {} is {}x{}; render them at the same size", path.string(),
-         stored->frame.width, stored->frame.height, reference_path(folder_, entry.name).string(),
-         stored->reference.width, stored->reference.height);
-  if (faults.any() || bad_reference_channels > 0)
-    spdlog::warn(
-        "{}: {} samples with NaN or infinity masked out, {} negative radiance values set to 0; reference: {} "
-        "bad values set to 0",
-        path.string(), faults.not_finite, faults.negative, bad_reference_channels);
+  stored->frame = to_half(pair.frame);
+  stored->reference = std::move(pair.reference);
   if (used_bytes_ + stored->bytes() <= budget_bytes_) {
     used_bytes_ += stored->bytes();
     memory_[index] = stored;

@@ -1,0 +1,42 @@
+#include "frame/frame_pair.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "frame/frame_file.h"
+
+namespace ld {
+
+FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFrame& entry,
+                          const std::vector<std::string>& features) {
+  const std::filesystem::path path = frame_path(folder, entry.name);
+  const std::filesystem::path reference = reference_path(folder, entry.name);
+  FramePair pair;
+  pair.frame = read_frame(path, features, pair.faults);
+  pair.reference = read_image(reference, &pair.bad_reference_values);
+  if (pair.frame.width != pair.reference.width || pair.frame.height != pair.reference.height)
+    fail(
+        "{} is {}x{} but its reference {} is {}x{}; both must show the same picture: render one of them "
+        "again",
+        path.string(), pair.frame.width, pair.frame.height, reference.string(), pair.reference.width,
+        pair.reference.height);
+  // After the complaints above, which say more than that a checksum differs.
+  verify_frame(folder, entry);
+  return pair;
+}
+
+void warn_about_faults(const std::filesystem::path& path, const Faults& faults) {
+  if (faults.any())
+    spdlog::warn("{}: {} samples with NaN or infinity masked out, {} negative radiance values set to 0",
+                 path.string(), faults.not_finite, faults.negative);
+}
+
+void warn_about_faults(const std::filesystem::path& folder, const ManifestFrame& entry,
+                       const FramePair& pair) {
+  warn_about_faults(frame_path(folder, entry.name), pair.faults);
+  if (pair.bad_reference_values > 0)
+    spdlog::warn(
+        "{}: {} NaN, infinite or negative values set to 0; losses and scores against it are doubtful",
+        reference_path(folder, entry.name).string(), pair.bad_reference_values);
+}
+
+}  // namespace ld

@@ -1,0 +1,30 @@
+// A frame of a data set together with its reference: what training and evaluation both read.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "frame/frame.h"
+#include "frame/manifest.h"
+
+namespace ld {
+
+struct FramePair {
+  Frame frame;
+  Image reference;                   // [3, H, W] linear, the size of the frame
+  Faults faults;                     // of the frame
+  int64_t bad_reference_values = 0;  // NaN, infinite or negative ones, set to 0
+};
+
+/// Throws Error: a missing or damaged file, a missing feature, sizes that differ, a checksum that does not
+/// match.
+FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFrame& entry,
+                          const std::vector<std::string>& features);
+
+/// Logs a warning that names the file and the counts, if there are any.
+void warn_about_faults(const std::filesystem::path& path, const Faults& faults);
+void warn_about_faults(const std::filesystem::path& folder, const ManifestFrame& entry,
+                       const FramePair& pair);
+
+}  // namespace ld
