@@ -2,16 +2,15 @@
 # Format (clang-format) and lint (clang-tidy) of every tracked C++ file; exit code 1 when something was found.
 #   scripts/check.sh          everything; the first time some minutes, then only what changed
 #   scripts/check.sh --fast   lint only the files without LibTorch, whose headers alone take half a minute
+#   scripts/check.sh PATH...  lint only the files below these; with or without --fast
 # JOBS=N sets the number of parallel clang-tidy processes (default: the CPUs).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-fast=()
-case "${1:-}" in
-  "") ;;
-  --fast) fast=(--fast) ;;
-  *) echo "check.sh: unknown option '$1'; expected nothing or --fast" >&2; exit 2 ;;
-esac
+for argument in "$@"; do
+  [[ "$argument" == --fast || -e "$argument" ]] ||
+    { echo "check.sh: '$argument' is neither --fast nor a path" >&2; exit 2; }
+done
 for tool in clang-format clang-tidy; do
   command -v "$tool" > /dev/null || { echo "check.sh: no $tool; run scripts/setup.sh --dev" >&2; exit 1; }
 done
@@ -25,4 +24,4 @@ echo "check: $(git ls-files -- '*.h' '*.cpp' | wc -l) files are formatted"
 # with them.
 cmake -S . -B build-tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DLD_BUILD_TESTS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON \
   -DLD_CCACHE=OFF > build-tidy.log 2>&1 || { cat build-tidy.log >&2; exit 1; }
-scripts/lint.py build-tidy "${fast[@]}" --jobs "${JOBS:-$(nproc)}"
+scripts/lint.py build-tidy --jobs "${JOBS:-$(nproc)}" "$@"
