@@ -20,7 +20,7 @@ struct Stage {
 };
 
 /// Adds about `count` spheres, boxes, tori and blobs with a random material each (fewer when the stage is
-/// full). Returns nothing; the objects follow those the scene has.
-std::vector<Vec3> add_random_objects(Scene& scene, const Stage& stage, int count, RandomStream& random);
+/// full), behind the objects that the scene has.
+void add_random_objects(Scene& scene, const Stage& stage, int count, RandomStream& random);
 
 }  // namespace ld

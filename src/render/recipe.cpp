@@ -1,0 +1,72 @@
+#include "render/recipe.h"
+
+#include <charconv>
+
+#include "core/error.h"
+
+namespace ld {
+namespace {
+
+void check_pair(const std::filesystem::path& path, const char* key, const std::vector<int64_t>& values,
+                const char* expected) {
+  if (values.size() != 2)
+    fail_usage("{}: {}: expected two numbers, [{}], found {}", path.string(), key, expected, values.size());
+}
+
+int64_t parse_bound(const std::string& text, const std::string& whole) {
+  int64_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size())
+    fail_usage("--frames {}: expected A:B, two frame numbers like 0:16 (16 not included)", whole);
+  return value;
+}
+
+}  // namespace
+
+std::string Recipe::split(int64_t frame) const {
+  if (frame < frames.train) return "train";
+  return frame < frames.train + frames.validation ? "validation" : "test";
+}
+
+int64_t Recipe::reference_spp_of(int64_t frame) const {
+  if (frame < frames.train) return reference_spp.train;
+  return frame < frames.train + frames.validation ? reference_spp.validation : reference_spp.test;
+}
+
+std::string frame_name(int64_t frame) {
+  return fmt::format("frame_{:06}", frame);
+}
+
+Recipe read_recipe(const std::filesystem::path& path, const std::vector<std::string>& overrides,
+                   std::optional<uint64_t> seed) {
+  ConfigNode tree = read_config(path);
+  for (const std::string& assignment : overrides) apply_override(tree, assignment);
+  auto recipe = config_from_tree<Recipe>(tree);
+  if (seed) recipe.seed = *seed;
+  check_pair(path, "resolution", recipe.resolution, "width, height");
+  check_pair(path, "scenes.objects", recipe.scenes.objects, "fewest, most");
+  if (recipe.scenes.objects[0] > recipe.scenes.objects[1])
+    fail_usage("{}: scenes.objects: expected [fewest, most], found [{}, {}]; swap them", path.string(),
+               recipe.scenes.objects[0], recipe.scenes.objects[1]);
+  if (recipe.frame_count() == 0)
+    fail_usage("{}: frames: expected at least one frame in train, validation or test, found none",
+               path.string());
+  return recipe;
+}
+
+std::pair<int64_t, int64_t> parse_frame_range(const std::string& text, int64_t frame_count) {
+  if (text.empty()) return {0, frame_count};
+  const size_t colon = text.find(':');
+  if (colon == std::string::npos)
+    fail_usage("--frames {}: expected A:B, two frame numbers like 0:16 (16 not included)", text);
+  const std::string low = text.substr(0, colon), high = text.substr(colon + 1);
+  const int64_t begin = low.empty() ? 0 : parse_bound(low, text);
+  const int64_t end = high.empty() ? frame_count : parse_bound(high, text);
+  if (begin < 0 || begin >= end || end > frame_count)
+    fail_usage(
+        "--frames {}: expected a range that is not empty and lies within 0:{}, the frames of the recipe",
+        text, frame_count);
+  return {begin, end};
+}
+
+}  // namespace ld
