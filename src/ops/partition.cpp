@@ -50,8 +50,11 @@ Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& rad
     const Tensor q = at::softmax(behind, 1).unflatten(1, {samples, layers - l});
     share.push_back(q.narrow(2, 0, 1));  // w_s^l / (S n_l)
     transmittance.push_back(q.narrow(2, 1, layers - l - 1).sum({1, 2}));
+    // log n_l is the log-sum-exp of `behind`: x_i - log q_i for any i. Taken at the largest, from sums that
+    // the softmax did in the order of the samples, so that a masked sample changes no bit.
     log_n.push_back(l == 0 ? at::zeros({batch, 1, height, width}, logits.options())
-                           : at::logsumexp(behind, 1, /*keepdim=*/true) - count.log());
+                           : behind.amax(1, /*keepdim=*/true) -
+                                 q.flatten(1, 2).amax(1, /*keepdim=*/true).log() - count.log());
   }
 
   const Tensor none = any.logical_not();

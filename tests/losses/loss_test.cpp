@@ -1,0 +1,91 @@
+#include "losses/loss.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "tests/support/gradient_check.h"
+
+namespace ld {
+namespace {
+
+using torch::Tensor;
+
+double smape_reference(const Tensor& d, const Tensor& r) {
+  const std::vector<double> a(d.data_ptr<double>(), d.data_ptr<double>() + d.numel());
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const double b = r.data_ptr<double>()[i];
+    sum += std::abs(a[i] - b) / (std::abs(a[i]) + std::abs(b) + 0.01);
+  }
+  return sum / double(a.size());
+}
+
+double l2_reference(const Tensor& d, const Tensor& r) {
+  const auto tone = [](double x) {
+    const double y = std::log(x + 1);
+    return y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055;
+  };
+  double sum = 0;
+  for (int64_t i = 0; i < d.numel(); ++i)
+    sum += std::pow(tone(d.data_ptr<double>()[i]) - tone(r.data_ptr<double>()[i]), 2);
+  return sum / double(d.numel());
+}
+
+TEST(Losses, AgreeWithTheirEquations) {
+  const Tensor d = random_uniform({2, 3, 5, 7}, 1, 0, 3), r = random_uniform({2, 3, 5, 7}, 2, 0, 3);
+  for (const auto& [name, expected] : std::vector<std::pair<std::string, double>>{
+           {"smape", smape_reference(d, r)}, {"l2_tonemapped", l2_reference(d, r)}}) {
+    const Loss loss = make_loss(name);
+    EXPECT_NEAR(loss(d, r).item<double>(), expected, 1e-14) << name;
+    EXPECT_NEAR(loss(d.to(torch::kFloat32), r.to(torch::kFloat32)).item<double>(), expected, 1e-6) << name;
+  }
+}
+
+TEST(Losses, HandValues) {
+  const Tensor d = torch::tensor({1.0, 0.0}, torch::kFloat64), r = torch::tensor({3.0, 0.0}, torch::kFloat64);
+  EXPECT_NEAR(make_loss("smape")(d, r).item<double>(), 2 / 4.01 / 2, 1e-15);
+  EXPECT_EQ(make_loss("l2_tonemapped")(d, d).item<double>(), 0);
+}
+
+// Every registered loss, also the one that is added tomorrow.
+TEST(Losses, GradientsAgreeWithFiniteDifferences) {
+  const Tensor r = random_uniform({1, 3, 4, 4}, 4, 0, 2);
+  for (const std::string& name : loss_names())
+    expect_gradients([&](const auto& v) { return make_loss(name)(v[0], r); },
+                     {variable(random_uniform({1, 3, 4, 4}, 3, 0.1, 3))});
+}
+
+TEST(Losses, StayFiniteOnTheirWholeDomain) {
+  const std::vector<double> values = {0, 1e-40, 1e-38, 1e-3, 1, 65504, 1e30, 3e38};
+  for (const std::string& name : loss_names())
+    for (const double d : values)
+      for (const double r : values) {
+        const Tensor denoised = torch::full({1, 3, 2, 2}, d, torch::kFloat32).set_requires_grad(true);
+        const Tensor loss = make_loss(name)(denoised, torch::full({1, 3, 2, 2}, r, torch::kFloat32));
+        loss.backward();
+        EXPECT_TRUE(all_finite(loss) && all_finite(denoised.grad())) << name << " " << d << " " << r;
+        EXPECT_GE(loss.item<double>(), 0) << name;
+        if (d == r) {
+          EXPECT_EQ(loss.item<double>(), 0) << name << " " << d;
+        }
+      }
+}
+
+TEST(Losses, UnknownNamesAndUnequalShapesAreErrors) {
+  try {
+    make_loss("smap");
+    FAIL() << "accepted an unknown loss";
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "unknown loss 'smap'; did you mean 'smape'? choose from l2_tonemapped, smape");
+  }
+  for (const std::string& name : loss_names()) {
+    EXPECT_THROW(make_loss(name)(torch::ones({1, 3, 2, 2}), torch::ones({1, 3, 2, 1})), Error);
+    EXPECT_THROW(make_loss(name)(torch::ones({1, 3, 2, 2}), torch::ones({1, 3, 2, 2}, torch::kFloat64)),
+                 Error);
+  }
+}
+
+}  // namespace
+}  // namespace ld
