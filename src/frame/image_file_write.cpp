@@ -1,3 +1,7 @@
+// Before OpenImageIO, which would otherwise build all of fmt into this file: the linker then takes this file,
+// and with it OpenImageIO, into every program that formats text.
+#include <fmt/format.h>
+
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>

@@ -1,0 +1,31 @@
+// What a frame, image, data set, config, weight file, checkpoint or run is, and what is wrong with it:
+// `ld_inspect PATH [--verify] [--json FILE]`.
+
+#include <iostream>
+#include <string>
+
+#include "apps/app.h"
+#include "apps/inspect/inspect.h"
+#include "core/error.h"
+
+int main(int argc, char** argv) {
+  std::string path;
+  ld::InspectOptions options;
+  ld::Application app("ld_inspect",
+                      "Says what a path is and what is wrong with it; exit code 1 when something is.");
+  app.options()
+      .add_option(
+          "path", path,
+          "frame or image (.exr), weights (.safetensors), config (.yaml), data set, checkpoint or run")
+      ->required();
+  app.options().add_flag("--verify", options.verify, "compare the checksums of all files of a data set");
+  return app.run(argc, argv, [&] {
+    options.threads = app.threads();
+    const ld::Report report = ld::inspect(path, options);
+    std::cout << ld::report_text(report) << std::flush;
+    app.write_json(ld::report_json(report));
+    if (!report.problems.empty())
+      ld::fail("{}: {} problem{} found; the report names them", path, report.problems.size(),
+               report.problems.size() == 1 ? "" : "s");
+  });
+}
