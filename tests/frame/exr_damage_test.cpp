@@ -10,6 +10,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
+#include <half.h>
 
 #include <cstring>
 #include <fstream>
@@ -93,6 +94,48 @@ TEST(ForeignExr, ScanLinesFloatsAnyOrderAndExtraParts) {
   EXPECT_EQ(frame.info.depth_scale, median_depth(frame));
   EXPECT_GT(frame.info.depth_scale, 100.0F);
 }
+
+class Compressions : public testing::TestWithParam<int> {};
+
+/// Black is what compresses best: the limits on how small a file may be must let it pass, in one tile, many
+/// or none.
+TEST_P(Compressions, ABlackPictureIsNotTakenForALie) {
+  const TemporaryFolder folder;
+  constexpr int kWidth = 700, kHeight = 300;
+  const std::vector<half> zeros(size_t{kWidth} * kHeight);
+  for (const unsigned tile : {0U, 64U, 1024U}) {
+    for (const Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS}) {
+      if (tile == 0 && mode != Imf::ONE_LEVEL) continue;
+      Imf::Header header(kWidth, kHeight);
+      header.compression() = static_cast<Imf::Compression>(GetParam());
+      Imf::FrameBuffer buffer;
+      for (const char* channel : {"R", "G", "B"}) {
+        header.channels().insert(channel, Imf::Channel(Imf::HALF));
+        buffer.insert(channel, Imf::Slice::Make(Imf::HALF, zeros.data(), header.dataWindow()));
+      }
+      const std::string path = (folder / "black.exr").string();
+      if (tile == 0) {
+        Imf::OutputFile file(path.c_str(), header);
+        file.setFrameBuffer(buffer);
+        file.writePixels(kHeight);
+      } else {
+        header.setTileDescription(Imf::TileDescription(tile, tile, mode));
+        Imf::TiledOutputFile file(path.c_str(), header);
+        file.setFrameBuffer(buffer);
+        for (int level = 0; level < file.numLevels(); ++level)
+          file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
+      }
+      SCOPED_TRACE(fmt::format("tile {}, level mode {}", tile, static_cast<int>(mode)));
+      const Image image = read_image(path);
+      EXPECT_EQ(image.width, kWidth);
+      EXPECT_EQ(image.height, kHeight);
+      EXPECT_EQ(image.at(2, kWidth - 1, kHeight - 1), 0.0F);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Compressions,
+                         testing::Range(0, static_cast<int>(Imf::NUM_COMPRESSION_METHODS)));
 
 TEST(ForeignExr, ComplainsOfWhatIsMissingByName) {
   const TemporaryFolder folder;
