@@ -1,12 +1,35 @@
 #include <algorithm>
 #include <initializer_list>
+#include <optional>
 
 #include "apps/inspect/inspect.h"
 #include "core/error.h"
 #include "frame/schema.h"
+#include "render/recipe.h"
 #include "training/config.h"
 
 namespace ld {
+
+namespace {
+
+void add_recipe(Report& report) {
+  report.kind = "scene recipe";
+  const Recipe recipe = read_recipe(report.path, {}, std::nullopt);
+  report.facts["seed"] = recipe.seed;
+  report.facts["resolution"] = recipe.resolution;
+  report.facts["spp"] = recipe.spp;
+  report.facts["frames"] = {
+      {"train", recipe.frames.train}, {"validation", recipe.frames.validation}, {"test", recipe.frames.test}};
+  report.facts["reference_spp"] = {{"train", recipe.reference_spp.train},
+                                   {"validation", recipe.reference_spp.validation},
+                                   {"test", recipe.reference_spp.test}};
+  double paths = 0;
+  for (int64_t frame = 0; frame < recipe.frame_count(); ++frame)
+    paths += static_cast<double>(recipe.paths(frame));
+  report.facts["camera_paths"] = paths;
+}
+
+}  // namespace
 
 void inspect_config(Report& report) {
   report.kind = "YAML file";
@@ -21,8 +44,7 @@ void inspect_config(Report& report) {
                          [&](const char* name) { return root.find(name) != nullptr; });
     };
     if (has_one_of({"resolution", "spp", "reference_spp", "frames", "scenes"})) {
-      report.kind = "scene recipe";
-      report.facts["checked"] = "only that it is sound YAML; ld_render checks the rest when it starts";
+      add_recipe(report);
       return;
     }
     if (!has_one_of({"network", "data", "optimizer", "run", "loss", "epochs"}))

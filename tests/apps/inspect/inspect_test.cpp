@@ -218,8 +218,23 @@ TEST(Inspect, Configs) {
   expect_problem(path, "not valid YAML");
   write_file_atomically(path, "colour: blue\n");
   expect_problem(path, "neither a training config");
-  write_file_atomically(path, "resolution: [8, 8]\nspp: 2\n");
-  EXPECT_EQ(inspect(path, {}).kind, "scene recipe");
+}
+
+TEST(Inspect, Recipes) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "recipe.yaml";
+  write_file_atomically(path,
+                        "resolution: [10, 10]\nspp: 2\nframes: {train: 3, validation: 0, test: 1}\n"
+                        "reference_spp: {train: 4, validation: 4, test: 8}\n");
+  const Report report = inspect(path, {});
+  EXPECT_EQ(report.kind, "scene recipe");
+  EXPECT_EQ(report.facts["frames"]["train"], 3);
+  EXPECT_EQ(report.facts["camera_paths"], 100 * (3 * 6 + 10));
+  EXPECT_TRUE(report.problems.empty());
+  write_file_atomically(path, "spp: 0\n");
+  expect_problem(path, "recipe.yaml:1: spp: expected");
+  write_file_atomically(path, "spp: 8\nreference_sp: 3\n");
+  expect_problem(path, "did you mean 'reference_spp'?");
 }
 
 TEST(Inspect, TheProgramPrintsWritesJsonAndExitsByWhatItFound) {
