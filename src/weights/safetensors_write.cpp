@@ -49,7 +49,6 @@ size_t dtype_bytes(DType type) {
     case DType::f32:
       return 4;
     case DType::f64:
-      return 8;
     case DType::i64:
       return 8;
     case DType::u8:

@@ -100,7 +100,7 @@ fs::path resolve_model(const fs::path& model) {
   if (!fs::exists(model, error)) fail("no such model: {}; check the path", model.string());
   if (!fs::is_directory(model)) return model;
   for (const fs::path& folder : {model, model / "checkpoints" / "best", model / "checkpoints" / "last"})
-    if (const fs::path file = existing(folder); !file.empty()) return file;
+    if (fs::path file = existing(folder); !file.empty()) return file;
   fail(
       "{}: no weights in this folder; looked for weights.safetensors (a checkpoint), "
       "checkpoints/best/weights.safetensors "
