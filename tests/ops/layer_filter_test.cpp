@@ -49,6 +49,16 @@ TEST(LayerFilter, AConstantImageStaysConstant) {
     }
 }
 
+TEST(LayerFilter, AConstantImageStaysConstantForTheLargestLogits) {
+  for (int64_t layers = 1; layers <= 3; ++layers) {
+    // Differences of these logits overflow: at many pixels everything that arrives has an exponent of -6e38.
+    const Tensor kernels = (random_normal({1, layers, 9, 9, 8}, 1).sign() * 3e38).to(torch::kFloat32);
+    const Tensor logits = (random_normal({1, 2, layers, 9, 8}, 2).sign() * 3e38).to(torch::kFloat32);
+    const Tensor out = denoise(kernels, logits, torch::ones({1, 2, 1, 9, 8}), torch::ones({1, 2, 3, 9, 8}));
+    EXPECT_LE((out - 1).abs().max().item<double>(), 1e-5) << layers << " layers";
+  }
+}
+
 TEST(LayerFilter, KernelsThatPointOneWayKeepTheBorder) {
   for (const int64_t tap : {0, 2, 4, 6, 8}) {
     Tensor kernels = torch::full({1, 2, 9, 6, 6}, -300.0);
@@ -120,6 +130,30 @@ TEST(LayerFilter, ExtremesStayFinite) {
         for (const Tensor& t : {kernels, logits, light})
           EXPECT_TRUE(all_finite(t.grad())) << name << " " << radiance << " " << size;
       }
+}
+
+TEST(LayerFilter, TheLargestRadianceWithoutWeightGivesNoGradient) {
+  // Where the weight of a value near the largest float is 0, so is its gradient: not 0 * infinity.
+  Tensor kernels = torch::zeros({1, 1, 9, 1, 2});
+  kernels.select(2, 4).select(3, 1).fill_(500);  // the right pixel keeps its light to itself
+  kernels.set_requires_grad(true);
+  Tensor bright = torch::ones({1, 1, 1, 1, 2});
+  bright.select(4, 1).fill_(3e38);
+  const Tensor left = kernel_splat(kernels, torch::zeros({1, 1, 1, 2}), bright).select(4, 0);
+  EXPECT_EQ(left.item<float>(), 1);
+  (left * 10).sum().backward();
+  EXPECT_TRUE(kernels.grad().eq(0).all().item<bool>());
+
+  Tensor logits = torch::zeros({1, 2, 2, 1, 1});
+  logits[0][1][1] = -500;  // the second sample is not in layer 1
+  logits.set_requires_grad(true);
+  Tensor radiance = torch::ones({1, 2, 3, 1, 1});
+  radiance[0][1].fill_(3e38);
+  const Partition p = partition(logits, torch::ones({1, 2, 1, 1, 1}), radiance, at::zeros_like(radiance));
+  EXPECT_NEAR(p.radiance[0][1][0].item<double>(), 1, 1e-6);
+  (p.radiance.select(1, 1) * 10).sum().backward();
+  EXPECT_TRUE(all_finite(logits.grad()));
+  EXPECT_EQ(logits.grad()[0][1][1].item<float>(), 0);
 }
 
 }  // namespace
