@@ -60,7 +60,9 @@ int main(int argc, char** argv) {
   app.options()
       .add_option("--split", split, "which frames: train, validation or test")
       ->capture_default_str();
-  app.options().add_option("--frames-limit", frames_limit, "only the first so many frames (default: all)");
+  app.options()
+      .add_option("--frames-limit", frames_limit, "only the first so many frames (default: all)")
+      ->check(CLI::Range(1, 1'000'000));
   app.options().add_flag("--per-frame", per_frame, "also print a row for each frame");
 
   return app.run(argc, argv, [&] {

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <limits>
 
+#include "core/signals.h"
 #include "metrics/metric.h"
 #include "test_frames.h"
 
@@ -112,6 +115,25 @@ TEST(Evaluator, SizesThatDifferNameFrameAndMethod) {
   const std::string reference = message_of([&] { evaluate(wrong_reference, {}, {}); });
   EXPECT_NE(reference.find("frame odd: "), std::string::npos) << reference;
   EXPECT_NE(reference.find("8x8, its reference 8x9"), std::string::npos) << reference;
+}
+
+TEST(EvaluatorDeathTest, AStopSignalEndsItAfterTheFrameWithoutAResult) {
+  // In a process of its own, because the stop flag stays set.
+  const auto evaluate_and_exit = [](size_t stop_at) {
+    install_stop_handler();
+    size_t loaded = 0;
+    FrameSet frames = three_frames();
+    const auto load = frames.load;
+    frames.load = [&](size_t i) {
+      if (++loaded == stop_at) std::raise(SIGTERM);
+      return load(i);
+    };
+    const bool finished = evaluate(frames, {}, {}).has_value();
+    std::_Exit(finished ? 1 : 10 + static_cast<int>(loaded));
+  };
+  EXPECT_EXIT(evaluate_and_exit(2), testing::ExitedWithCode(12), "");  // while the blur is chosen
+  EXPECT_EXIT(evaluate_and_exit(4), testing::ExitedWithCode(14), "");  // while the frames are scored
+  EXPECT_EXIT(evaluate_and_exit(7), testing::ExitedWithCode(1), "");   // never
 }
 
 TEST(Evaluator, AnEmptySetAndBadNamesAreErrors) {

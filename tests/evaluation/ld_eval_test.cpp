@@ -1,0 +1,87 @@
+// ld_eval as a user meets it: what it prints, what it leaves behind, how it fails.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "evaluation/data_set.h"
+#include "metrics/metric.h"
+#include "tests/support/run_program.h"
+#include "tests/support/tiny_dataset.h"
+
+namespace ld {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LdEval : public testing::Test {
+ protected:
+  void SetUp() override { write_tiny_dataset(folder_ / "data", 3); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  ProgramResult run(std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments = {"--data", path("data"), "--out", path("out")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program("ld_eval", arguments);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(LdEval, WithoutModelsItComparesTheBaselinesAndWritesAllFiles) {
+  const ProgramResult result = run({"--split", "train", "--json", path("copy.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const std::string text :
+       {"| method ", "| noisy ", "| blur ", "epsilon 0.0001", "its width chosen for each metric"})
+    EXPECT_NE(result.output.find(text), std::string::npos) << text << " in\n" << result.output;
+  EXPECT_EQ(result.output.find("| frame_"), std::string::npos) << "rows for each frame only on request";
+  for (const std::string name : {"metrics.csv", "metrics.json", "comparison.png", "strips/frame_0.png",
+                                 "strips/frame_1.png", "strips/frame_2.png"})
+    EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+
+  // The numbers are those of the library, up to JSON's text.
+  const auto expected = evaluate(open_frame_set(folder_ / "data", "train", {"radiance"}, 0), {}, {});
+  const auto json = nlohmann::json::parse(read_file(folder_ / "out" / "metrics.json"));
+  EXPECT_EQ(json, nlohmann::json::parse(read_file(folder_ / "copy.json")));
+  EXPECT_EQ(json["frame_count"], 3);
+  for (size_t m = 0; m < metrics().size(); ++m) {
+    const std::string& name = metrics()[m].name;
+    EXPECT_DOUBLE_EQ(json["methods"]["blur"]["mean"][name], expected->method("blur").mean(m));
+    // The tiny references are the means of the samples themselves: noisy differs by half's rounding alone.
+    EXPECT_TRUE(better(metrics()[m], expected->method("noisy").mean(m), expected->method("blur").mean(m)))
+        << name;
+  }
+}
+
+TEST_F(LdEval, RowsForEachFrameAndALimitOnRequest) {
+  const ProgramResult two = run({"--split", "train", "--per-frame", "--frames-limit", "2"});
+  EXPECT_NE(two.output.find("| frame_1 | blur "), std::string::npos) << two.output;
+  EXPECT_EQ(two.output.find("frame_2"), std::string::npos) << two.output;
+}
+
+TEST_F(LdEval, TheSameFramesGiveTheSameBytes) {
+  ASSERT_EQ(run().exit_code, 0);
+  const std::string json = read_file(folder_ / "out" / "metrics.json"),
+                    strip = read_file(folder_ / "out/strips/frame_4.png");
+  fs::remove_all(folder_ / "out");
+  ASSERT_EQ(run({"--threads", "3"}).exit_code, 0);
+  EXPECT_EQ(read_file(folder_ / "out" / "metrics.json"), json);
+  EXPECT_EQ(read_file(folder_ / "out/strips/frame_4.png"), strip);
+}
+
+TEST_F(LdEval, WrongCommandLinesExitWithTwoAndWriteNothing) {
+  expect_failure(run_program("ld_eval", {"--data", path("data")}), 2, {"--out", "--help"});
+  expect_failure(run({"--model", "blur=x"}), 2, {"'blur'", "choose another"});
+  expect_failure(run({"--frames-limit", "-3"}), 2, {"--frames-limit"});
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(LdEval, MissingThingsExitWithOneAndAreNamed) {
+  expect_failure(run({"--model", "layer=" + path("nowhere.safetensors")}), 1, {"nowhere.safetensors"});
+  expect_failure(run({"--split", "holiday"}), 1, {"holiday", "data", "train"});
+  fs::remove(folder_ / "data" / "frame_4.reference.exr");
+  expect_failure(run(), 1, {"frame_4.reference.exr"});
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "metrics.json"));
+}
+
+}  // namespace
+}  // namespace ld
