@@ -52,6 +52,29 @@ TEST_F(LdEval, WithoutModelsItComparesTheBaselinesAndWritesAllFiles) {
   }
 }
 
+TEST_F(LdEval, AModelIsScoredOnWhatTheInferenceProgramMakesOfTheFrame) {
+  write_file_atomically(folder_ / "tiny.yaml",
+                        tiny_network_yaml() + "data:\n  crop: 8\n  batch: 2\nrun:\n  max_steps: 2\n");
+  const ProgramResult trained = run_program(
+      "ld_train", {"--config", path("tiny.yaml"), "--out", path("run"), "data.path=" + path("data")});
+  ASSERT_EQ(trained.exit_code, 0) << trained.output;
+  const ProgramResult result = run({"--model", "tiny=" + path("run")});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("| tiny "), std::string::npos) << result.output;
+
+  const ProgramResult denoised = run_program(
+      "ld_denoise", {"--model", path("run"), path("data/frame_4.exr"), "--output", path("denoised.exr")});
+  ASSERT_EQ(denoised.exit_code, 0) << denoised.output;
+  const Image image = read_image(folder_ / "denoised.exr");
+  const Image reference = read_image(folder_ / "data" / "frame_4.reference.exr");
+  const auto json = nlohmann::json::parse(read_file(folder_ / "out" / "metrics.json"))["methods"]["tiny"];
+  for (const Metric& metric : metrics())  // the EXR holds half floats
+    EXPECT_NEAR(json["mean"][metric.name].get<double>() / metric.compute(image, reference), 1, 1e-3)
+        << metric.name;
+  EXPECT_GT(json["seconds"].get<double>(), 0);
+  EXPECT_EQ(json["not_finite"], 0);
+}
+
 TEST_F(LdEval, RowsForEachFrameAndALimitOnRequest) {
   const ProgramResult two = run({"--split", "train", "--per-frame", "--frames-limit", "2"});
   EXPECT_NE(two.output.find("| frame_1 | blur "), std::string::npos) << two.output;
