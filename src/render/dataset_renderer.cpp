@@ -55,17 +55,16 @@ class PathCounter {
  public:
   PathCounter(int64_t total, int64_t frames) : progress_("thousand paths", total / 1000), frames_(frames) {}
 
+  void start_frame() { ++started_; }
   void add(int64_t paths) {
-    const int64_t before = paths_.fetch_add(paths);
-    progress_.advance((before + paths) / 1000 - before / 1000,
-                      fmt::format("{} of {} frames", finished_.load(), frames_));
+    const int64_t before = paths_.fetch_add(paths), thousands = (before + paths) / 1000 - before / 1000;
+    if (thousands > 0) progress_.advance(thousands, fmt::format("frame {} of {}", started_.load(), frames_));
   }
-  void finish_frame() { ++finished_; }
   int64_t paths() const { return paths_; }
 
  private:
   Progress progress_;
-  std::atomic<int64_t> paths_{0}, finished_{0};
+  std::atomic<int64_t> paths_{0}, started_{0};
   int64_t frames_;
 };
 
@@ -76,6 +75,7 @@ class DatasetRenderer {
 
   void render_frame(int64_t frame, int threads) {
     if (stop_requested()) return;
+    counter_.start_frame();
     RenderSettings settings;
     settings.seed = recipe_.seed;
     settings.frame = static_cast<uint32_t>(frame);
@@ -115,7 +115,6 @@ class DatasetRenderer {
     const std::lock_guard<std::mutex> lock(manifest_mutex_);
     add_to_manifest(folder_, addition);
     ++finished_;
-    counter_.finish_frame();
   }
 
   const Recipe& recipe_;
