@@ -138,7 +138,7 @@ RenderReport render_dataset(const Recipe& recipe, const std::filesystem::path& f
 
   // A frame a thread while there are plenty: building and writing, which take one thread, then overlap with
   // tracing. The last frames are shared by all threads, so that none waits for another's long frame.
-  const int64_t shared = std::min<int64_t>(count, 2 * threads);
+  const int64_t shared = std::min(count, int64_t{2} * threads);
   parallel_for(count - shared, threads,
                [&](int64_t i) { renderer.render_frame(frames[static_cast<size_t>(i)], 1); });
   for (int64_t i = count - shared; i < count; ++i)

@@ -48,7 +48,7 @@ int bin_of(Vec3 w) {
 /// The density integrated over each bin, by the midpoint rule on a fine grid.
 std::vector<double> integrated_pdf(const Bsdf& bsdf, Vec3 wo) {
   constexpr int kFine = 48;
-  std::vector<double> mass(kPolar * kAzimuths, 0.0);
+  std::vector<double> mass(size_t{kPolar} * kAzimuths, 0.0);
   const double cell = 4.0 * kPi / (kPolar * kAzimuths * kFine * kFine);
   for (int i = 0; i < kPolar * kFine; ++i)
     for (int j = 0; j < kAzimuths * kFine; ++j) {
