@@ -92,7 +92,9 @@ class TreeBuilder : public YAML::EventHandler {
       fail_usage("{}: a list or a map stands where a key is expected", at(mark));
     Level level;
     level.node.kind = kind;
-    level.node.origin = at(mark);
+    // yaml-cpp places a map or a list at its first entry, which may be a line below the key that it belongs
+    // to.
+    level.node.origin = at(!levels_.empty() && levels_.back().has_key ? levels_.back().key_mark : mark);
     levels_.push_back(std::move(level));
   }
 

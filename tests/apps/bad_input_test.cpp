@@ -128,7 +128,7 @@ TEST_F(BadInput, NanAndInfinitePixelsAreMaskedCountedAndReported) {
 
 TEST_F(BadInput, ConfigKeys) {
   expect_failure(train(config_file("seed: 1\noptimiser:\n  rate: 1\n"), "run_bad"), 2,
-                 {"bad.yaml:3", "'optimiser'", "did you mean 'optimizer'"});
+                 {"bad.yaml:2", "'optimiser'", "did you mean 'optimizer'"});
   expect_failure(train(config_file("seed: 1\nseed: 2\n"), "run_bad"), 2,
                  {"bad.yaml:2", "duplicate key 'seed'"});
   expect_failure(train(config_file("\nepochs: many\n"), "run_bad"), 2, {"bad.yaml:2", "epochs", "'many'"});

@@ -89,6 +89,9 @@ TEST(Config, ComplaintsNameLineKeyAndCure) {
             "features, inner");
   EXPECT_EQ(complaint("inner:\n  rat: 1\n"),
             "test.yaml:2: unknown key 'inner.rat'; did you mean 'inner.rate'? known here: rate, blocks");
+  EXPECT_EQ(complaint("steps: 7\niner:\n  rate: 1\n"),
+            "test.yaml:2: unknown key 'iner'; did you mean 'inner'? known here: steps, shuffle, loss, "
+            "features, inner");
   EXPECT_EQ(complaint("steps: 7\nsteps: 8\n"),
             "test.yaml:2: duplicate key 'steps', first given at test.yaml:1; remove one of them");
   EXPECT_EQ(complaint("steps: many\n"),
