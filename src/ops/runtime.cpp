@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "core/log.h"
+#include "ops/blas_kernels.h"
 
 namespace ld {
 namespace {
@@ -29,6 +30,7 @@ double sgemm_gflops() {
 }  // namespace
 
 void configure_runtime(int threads) {
+  choose_blas_kernels();
   at::set_num_threads(1);
   const double gflops = sgemm_gflops();
   at::set_num_threads(threads);
