@@ -40,10 +40,10 @@ std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSett
   Frame frame(camera.width, camera.height, settings.spp);
   const bool complete = for_each_pixel(camera, settings, [&](int x, int y, uint32_t pixel) {
     for (int s = 0; s < settings.spp; ++s) {
-      RandomStream random(settings.seed, RandomPurpose::input_samples, settings.frame, pixel,
-                          static_cast<uint32_t>(s));
-      const CameraSample where = draw_camera_sample(camera, x, y, random);
-      const auto values = trace_sample(scene, where, random, settings.path);
+      SampleNumbers numbers(RandomStream(settings.seed, RandomPurpose::input_samples, settings.frame, pixel,
+                                         static_cast<uint32_t>(s)));
+      const CameraSample where = draw_camera_sample(camera, x, y, numbers);
+      const auto values = trace_sample(scene, where, numbers, settings.path);
       for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[pixel] = values[static_cast<size_t>(c)];
     }
   });
@@ -60,12 +60,13 @@ std::optional<Image> render_reference(const PreparedScene& scene, const RenderSe
   const Camera& camera = scene.scene().camera;
   Image image(camera.width, camera.height, 3);
   const bool complete = for_each_pixel(camera, settings, [&](int x, int y, uint32_t pixel) {
+    const uint32_t pixel_seed =
+        RandomStream(settings.seed, RandomPurpose::reference, settings.frame, pixel).bits();
     double sum[3] = {0, 0, 0};
     for (int s = 0; s < settings.spp; ++s) {
-      RandomStream random(settings.seed, RandomPurpose::reference, settings.frame, pixel,
-                          static_cast<uint32_t>(s));
-      const CameraSample where = draw_camera_sample(camera, x, y, random);
-      const Vec3 radiance = trace_path(scene, camera.ray(where), where.time, random, settings.path);
+      SampleNumbers numbers(pixel_seed, static_cast<uint32_t>(s));
+      const CameraSample where = draw_camera_sample(camera, x, y, numbers);
+      const Vec3 radiance = trace_path(scene, camera.ray(where), where.time, numbers, settings.path);
       for (int c = 0; c < 3; ++c) sum[c] += radiance[c];
     }
     for (int c = 0; c < 3; ++c) image.plane(c)[pixel] = static_cast<float>(sum[c] / settings.spp);

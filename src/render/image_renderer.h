@@ -25,8 +25,10 @@ struct RenderSettings {
 /// scene, camera and depth_scale are filled. Empty when stopped.
 std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSettings& settings);
 
-/// Mean radiance [3, H, W] of spp samples of the purpose `reference`, one pixel box filter, accumulated in
-/// double. Empty when stopped.
+/// Mean radiance [3, H, W] of spp samples of each pixel, one pixel box filter, accumulated in double. The
+/// samples of a pixel are spread evenly (SampleNumbers), their scrambling drawn from RandomStream(seed,
+/// reference, frame, p): far less noise than as many independent samples leave, no bias, nothing in common
+/// with the frame's. Empty when stopped.
 std::optional<Image> render_reference(const PreparedScene& scene, const RenderSettings& settings);
 
 }  // namespace ld

@@ -5,6 +5,10 @@
 namespace ld {
 namespace {
 
+// Pairs of numbers (SampleNumbers::seek) that the camera takes and that each bounce may take: two for a
+// light, two for the way on.
+constexpr uint32_t kCameraPairs = 3, kBouncePairs = 4;
+
 /// A surface point as a path scatters there: everything turned to the viewer's side.
 struct Vertex {
   Vec3 position, geometric_normal;
@@ -47,9 +51,10 @@ Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_v
 
 /// Light straight from a lamp or the sky to the vertex and on to the viewer, by sampling the light.
 Vec3 direct_light(const PreparedScene& scene, const Vertex& vertex, float time, LightStrategy strategy,
-                  RandomStream& random) {
-  const float u0 = random.uniform(), u1 = random.uniform(), u2 = random.uniform();
-  const std::optional<LightSample> light = scene.sample_light(vertex.position, u0, u1, u2);
+                  SampleNumbers& numbers) {
+  const float choice = numbers.one();
+  const Vec2 u = numbers.two();
+  const std::optional<LightSample> light = scene.sample_light(vertex.position, choice, u.x, u.y);
   if (!light) return {};
   const Vec3 wi = vertex.basis.to_local(light->direction);
   if (!vertex.consistent(light->direction, wi)) return {};
@@ -122,13 +127,14 @@ void describe_material(const PreparedScene& scene, const Vertex& vertex, const M
 
 }  // namespace
 
-Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, RandomStream& random,
+Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, SampleNumbers& numbers,
                 const PathSettings& settings, Guides* guides) {
   Vec3 radiance, throughput = grey(1);
   Ray ray = first_ray;
   bool only_way = true;  // next-event estimation could not have found what this ray finds
   float bsdf_pdf = 0;
   for (int bounce = 0;; ++bounce) {
+    numbers.seek(kCameraPairs + kBouncePairs * static_cast<uint32_t>(bounce));
     const std::optional<Surface> surface = scene.trace(ray, time);
     float light_pdf = 0;
     if (!surface) {
@@ -153,11 +159,12 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Ra
     const bool last = ends_here(vertex, bounce, settings);
     const LightStrategy strategy = last ? LightStrategy::light_sampling : settings.strategy;
     if (!vertex.bsdf.is_delta() && scene.has_lights() && strategy != LightStrategy::bsdf_sampling)
-      radiance += throughput * direct_light(scene, vertex, time, strategy, random);
+      radiance += throughput * direct_light(scene, vertex, time, strategy, numbers);
     if (last) return radiance;
 
-    const float u0 = random.uniform(), u1 = random.uniform(), u2 = random.uniform();
-    const std::optional<BsdfSample> scattered = vertex.bsdf.sample(vertex.wo, u0, u1, u2);
+    const float choice = numbers.one();
+    const Vec2 u = numbers.two();
+    const std::optional<BsdfSample> scattered = vertex.bsdf.sample(vertex.wo, choice, u.x, u.y);
     if (!scattered) return radiance;
     const Vec3 direction = normalize(vertex.basis.to_world(scattered->wi));
     if (!vertex.consistent(direction, scattered->wi)) return radiance;
@@ -169,20 +176,21 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Ra
   }
 }
 
-CameraSample draw_camera_sample(const Camera& camera, int x, int y, RandomStream& random) {
+CameraSample draw_camera_sample(const Camera& camera, int x, int y, SampleNumbers& numbers) {
   CameraSample sample;
-  sample.x = static_cast<float>(x) + random.uniform();
-  sample.y = static_cast<float>(y) + random.uniform();
-  const float u = random.uniform(), v = random.uniform(), time = random.uniform();
-  if (camera.lens_radius > 0) sample.lens = sample_disk(u, v);
+  const Vec2 place = numbers.two(), lens = numbers.two();
+  const float time = numbers.one();
+  sample.x = static_cast<float>(x) + place.x;
+  sample.y = static_cast<float>(y) + place.y;
+  if (camera.lens_radius > 0) sample.lens = sample_disk(lens.x, lens.y);
   if (camera.shutter) sample.time = time;
   return sample;
 }
 
 std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
-                                                RandomStream& random, const PathSettings& settings) {
+                                                SampleNumbers& numbers, const PathSettings& settings) {
   Guides g;
-  const Vec3 radiance = trace_path(scene, scene.scene().camera.ray(where), where.time, random, settings, &g);
+  const Vec3 radiance = trace_path(scene, scene.scene().camera.ray(where), where.time, numbers, settings, &g);
   return {radiance.x, radiance.y, radiance.z, g.normal.x,   g.normal.y,   g.normal.z,   g.depth,
           g.albedo.x, g.albedo.y, g.albedo.z, g.specular.x, g.specular.y, g.specular.z, g.roughness,
           g.motion.x, g.motion.y, g.coc,      where.lens.x, where.lens.y, where.time};

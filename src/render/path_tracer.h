@@ -5,9 +5,9 @@
 
 #include <array>
 
-#include "core/random.h"
 #include "frame/schema.h"
 #include "render/prepared_scene.h"
+#include "render/sample_numbers.h"
 
 namespace ld {
 
@@ -42,15 +42,15 @@ struct Guides {
 
 /// Radiance along one random path that begins with `ray`; `guides`, when given, receives what the first hit
 /// says.
-Vec3 trace_path(const PreparedScene& scene, const Ray& ray, float time, RandomStream& random,
+Vec3 trace_path(const PreparedScene& scene, const Ray& ray, float time, SampleNumbers& numbers,
                 const PathSettings& settings, Guides* guides = nullptr);
 
 /// A uniform place on the pixel, on the lens and in the shutter interval; always takes five numbers. A
 /// pinhole's lens position is (0, 0) and an instant shutter's time 0: there is nothing to know there.
-CameraSample draw_camera_sample(const Camera& camera, int x, int y, RandomStream& random);
+CameraSample draw_camera_sample(const Camera& camera, int x, int y, SampleNumbers& numbers);
 
 /// One sample with its guides in the channel order of frame/schema.h.
 std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
-                                                RandomStream& random, const PathSettings& settings);
+                                                SampleNumbers& numbers, const PathSettings& settings);
 
 }  // namespace ld

@@ -233,7 +233,7 @@ struct Pilot {
 /// A coarse look at the picture: 16x16 pixels, four paths each.
 Pilot look(const PreparedScene& scene, uint64_t seed, uint32_t frame, uint32_t attempt) {
   constexpr int kGrid = 16, kPaths = 4;
-  RandomStream random(seed, RandomPurpose::scene, frame, attempt, kPilotStream);
+  SampleNumbers numbers(RandomStream(seed, RandomPurpose::scene, frame, attempt, kPilotStream));
   const Camera& camera = scene.scene().camera;
   std::vector<float> luminances;
   int near = 0, escaped = 0, black = 0;
@@ -242,9 +242,9 @@ Pilot look(const PreparedScene& scene, uint64_t seed, uint32_t frame, uint32_t a
       float sum = 0;
       for (int k = 0; k < kPaths; ++k) {
         const CameraSample where =
-            draw_camera_sample(camera, i * camera.width / kGrid, j * camera.height / kGrid, random);
+            draw_camera_sample(camera, i * camera.width / kGrid, j * camera.height / kGrid, numbers);
         Guides guides;
-        sum += luminance(trace_path(scene, camera.ray(where), where.time, random, {}, &guides));
+        sum += luminance(trace_path(scene, camera.ray(where), where.time, numbers, {}, &guides));
         if (guides.depth < 0.5F) ++near;
         if (guides.depth >= kEscapedDepth) ++escaped;
       }

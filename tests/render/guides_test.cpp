@@ -41,8 +41,8 @@ Scene ball_and_wall() {
 
 std::array<float, kSampleChannels> sample_at(const Scene& scene, const CameraSample& where) {
   const PreparedScene prepared(scene);
-  RandomStream random(1, RandomPurpose::test);
-  return trace_sample(prepared, where, random, {});
+  SampleNumbers numbers(RandomStream(1, RandomPurpose::test));
+  return trace_sample(prepared, where, numbers, {});
 }
 
 TEST(Guides, DepthAndNormalOfABall) {
@@ -158,8 +158,8 @@ TEST(Guides, MovingObjectsStandWhereTheirTimeSays) {
 
 TEST(Guides, DrawnSamplesFillPixelLensAndShutter) {
   Camera camera = ball_and_wall().camera;
-  RandomStream random(3, RandomPurpose::test);
-  CameraSample sample = draw_camera_sample(camera, 5, 9, random);
+  SampleNumbers numbers(RandomStream(3, RandomPurpose::test));
+  CameraSample sample = draw_camera_sample(camera, 5, 9, numbers);
   EXPECT_EQ(sample.lens.x, 0) << "a pinhole has no lens positions";
   EXPECT_EQ(sample.time, 0) << "an instant shutter has no times";
   camera.lens_radius = 0.1F;
@@ -167,7 +167,7 @@ TEST(Guides, DrawnSamplesFillPixelLensAndShutter) {
   double x = 0, y = 0, lens_x = 0, lens_y = 0, radius2 = 0, time = 0, time2 = 0;
   constexpr int kDraws = 20000;
   for (int k = 0; k < kDraws; ++k) {
-    sample = draw_camera_sample(camera, 5, 9, random);
+    sample = draw_camera_sample(camera, 5, 9, numbers);
     ASSERT_TRUE(sample.x >= 5 && sample.x <= 6 && sample.y >= 9 && sample.y <= 10);
     const double r2 = sample.lens.x * sample.lens.x + sample.lens.y * sample.lens.y;
     ASSERT_LE(r2, 1.00001);

@@ -45,10 +45,11 @@ inline Estimate mean_luminance(const PreparedScene& scene, const PathSettings& s
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x)
       for (int s = 0; s < spp; ++s) {
-        RandomStream random(seed, RandomPurpose::test, static_cast<uint32_t>(y * camera.width + x),
-                            static_cast<uint32_t>(s));
-        const CameraSample where = draw_camera_sample(camera, x, y, random);
-        const double v = luminance(trace_path(scene, camera.ray(where), where.time, random, settings));
+        SampleNumbers numbers(RandomStream(seed, RandomPurpose::test,
+                                           static_cast<uint32_t>(y * camera.width + x),
+                                           static_cast<uint32_t>(s)));
+        const CameraSample where = draw_camera_sample(camera, x, y, numbers);
+        const double v = luminance(trace_path(scene, camera.ray(where), where.time, numbers, settings));
         sum += v;
         squares += v * v;
       }

@@ -102,9 +102,9 @@ inline Frame turned_frame(const Turn& turn, int size, int spp, uint64_t seed = 1
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
       for (int s = 0; s < spp; ++s) {
-        RandomStream random(seed, RandomPurpose::test, static_cast<uint32_t>(y * size + x),
-                            static_cast<uint32_t>(s));
-        CameraSample where = draw_camera_sample(scene.scene().camera, x, y, random);
+        SampleNumbers numbers(RandomStream(seed, RandomPurpose::test, static_cast<uint32_t>(y * size + x),
+                                           static_cast<uint32_t>(s)));
+        CameraSample where = draw_camera_sample(scene.scene().camera, x, y, numbers);
         const Vec3 place = turn({where.x - half, half - where.y, 0}),
                    lens = turn({where.lens.x, where.lens.y, 0});
         where.x = half + place.x;
@@ -114,7 +114,7 @@ inline Frame turned_frame(const Turn& turn, int size, int spp, uint64_t seed = 1
             turn({static_cast<float>(x) + 0.5F - half, half - static_cast<float>(y) - 0.5F, 0});
         const auto pixel = static_cast<size_t>(std::floor(half - centre.y)) * static_cast<size_t>(size) +
                            static_cast<size_t>(std::floor(half + centre.x));
-        const auto values = trace_sample(scene, where, random, only_lamps);
+        const auto values = trace_sample(scene, where, numbers, only_lamps);
         for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[pixel] = values[static_cast<size_t>(c)];
       }
   frame.info.depth_scale = median_depth(frame);
