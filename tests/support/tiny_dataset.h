@@ -2,29 +2,14 @@
 // look.
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 
-#include "core/checksum.h"
-#include "core/random.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
+#include "tests/support/random_frame.h"
 
 namespace ld {
-
-/// Random but plausible samples: unit normals, albedo in [0, 1], radiance around 1, times in [0, 1].
-inline Frame random_frame(int width, int height, int spp, uint32_t index) {
-  Frame frame(width, height, spp);
-  RandomStream stream(7, RandomPurpose::test, index);
-  for (float& value : frame.samples) value = stream.uniform();
-  for (int s = 0; s < spp; ++s)
-    for (size_t p = 0; p < frame.plane_size(); ++p) frame.plane(s, kDepthOffset)[p] += 1.0F;
-  frame.info.generator = "test";
-  frame.info.frame = index;
-  frame.info.depth_scale = median_depth(frame);
-  return frame;
-}
 
 /// Writes `train` + 1 validation + 1 test frames and the manifest.
 inline void write_tiny_dataset(const std::filesystem::path& folder, int train, int size = 16, int spp = 2) {
