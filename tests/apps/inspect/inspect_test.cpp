@@ -63,7 +63,7 @@ TEST(Inspect, AFrame) {
   EXPECT_EQ(report.facts["features"].size(), feature_names().size());
   EXPECT_NEAR(report.facts["mean_radiance"][1].get<double>(), 0.25, 1e-6);
   EXPECT_EQ(report.facts["scene"], "indoor");
-  EXPECT_GT(report.facts["depth_scale"].get<double>(), 1.0);
+  EXPECT_FLOAT_EQ(report.facts["depth_scale"].get<float>(), frame.info.depth_scale);
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_TRUE(report.problems.empty());
   EXPECT_NE(report_text(report).find("nothing is wrong with it"), std::string::npos);
