@@ -12,8 +12,8 @@
 namespace ld {
 namespace {
 
-/// GFLOP/s of a small matrix product on one thread, the best of a few: other programs on the machine must not make
-/// OpenBLAS look like the reference BLAS. A few milliseconds.
+/// GFLOP/s of a small matrix product on one thread, the best of a few: other programs on the machine must not
+/// make OpenBLAS look like the reference BLAS. A few milliseconds.
 double sgemm_gflops() {
   const int64_t n = 256;
   const torch::Tensor a = torch::ones({n, n}), b = torch::ones({n, n});
