@@ -1,20 +1,17 @@
 #include "training/checkpoint.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 
-#include "core/checksum.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/json_text.h"
 #include "training/adam_state.h"
+#include "weights/checkpoint_files.h"
 #include "weights/model_file.h"
 
 namespace ld {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* kFiles[] = {"weights.safetensors", "optimizer.safetensors", "state.json"};
 
 std::string state_json(const TrainingState& state) {
   nlohmann::ordered_json json;
@@ -28,7 +25,7 @@ std::string state_json(const TrainingState& state) {
 
 TrainingState parse_state(const fs::path& path) {
   try {
-    const auto json = nlohmann::json::parse(read_file(path, 1 << 20));
+    const auto json = parse_json(read_file(path, 1 << 20), path.string());
     TrainingState state;
     state.step = json.at("step");
     state.optimizer_steps = json.at("optimizer_steps");
@@ -53,24 +50,6 @@ std::string link_target(const fs::path& link) {
   return fs::is_symlink(link) ? fs::read_symlink(link).string() : "";
 }
 
-void verify_checksums(const fs::path& checkpoint) {
-  const fs::path path = checkpoint / "checksums.json";
-  nlohmann::json sums;
-  try {
-    sums = nlohmann::json::parse(read_file(path, 1 << 20)).at("files");
-    for (const char* name : kFiles) {
-      const std::string expected = sums.at(name), found = file_checksum(checkpoint / name);
-      if (expected != found)
-        fail(
-            "{}: checksum {} differs from {} in {}; the checkpoint is damaged, remove it and resume from "
-            "another",
-            (checkpoint / name).string(), found, expected, path.string());
-    }
-  } catch (const nlohmann::json::exception& error) {
-    fail("{}: not a list of checksums: {}", path.string(), error.what());
-  }
-}
-
 }  // namespace
 
 CheckpointFolder::CheckpointFolder(fs::path run) : folder_(std::move(run) / "checkpoints") {}
@@ -91,12 +70,10 @@ void CheckpointFolder::write(const TrainingState& state, const Network& network,
 
   nlohmann::ordered_json provenance = {
       {"steps", state.step}, {"dataset", state.dataset}, {"program", "ld_train " LD_VERSION}};
-  save_model(partial / kFiles[0], network, provenance.dump(), DType::f32);
-  write_tensors(partial / kFiles[1], adam_state(optimizer, network), {{"format", "ld-optimizer"}});
-  write_file_atomically(partial / kFiles[2], state_json(state));
-  nlohmann::ordered_json sums;
-  for (const char* file : kFiles) sums["files"][file] = file_checksum(partial / file);
-  write_file_atomically(partial / "checksums.json", sums.dump(2) + "\n");
+  save_model(partial / kCheckpointFiles[0], network, provenance.dump(), DType::f32);
+  write_tensors(partial / kCheckpointFiles[1], adam_state(optimizer, network), {{"format", "ld-optimizer"}});
+  write_file_atomically(partial / kCheckpointFiles[2], state_json(state));
+  write_checkpoint_checksums(partial);
 
   flush_to_disk(partial);
   fs::remove_all(folder_ / name);  // of a run that was killed between renaming and linking
@@ -115,9 +92,9 @@ void CheckpointFolder::write(const TrainingState& state, const Network& network,
 }
 
 TrainingState read_checkpoint(const fs::path& checkpoint, Network& network, torch::optim::Adam& optimizer) {
-  verify_checksums(checkpoint);
-  const TrainingState state = parse_state(checkpoint / kFiles[2]);
-  const std::shared_ptr<Network> stored = load_model(checkpoint / kFiles[0]);
+  for (const char* name : kCheckpointFiles) verify_checkpoint_file(checkpoint, name);
+  const TrainingState state = parse_state(checkpoint / kCheckpointFiles[2]);
+  const std::shared_ptr<Network> stored = load_model(checkpoint / kCheckpointFiles[0]);
   const torch::NoGradGuard no_grad;
   const auto source = stored->named_parameters();
   for (auto& parameter : network.named_parameters()) {
@@ -127,7 +104,8 @@ TrainingState read_checkpoint(const fs::path& checkpoint, Network& network, torc
     parameter.value().copy_(*value);
   }
   if (state.optimizer_steps > 0)
-    set_adam_state(optimizer, network, SafetensorsFile(checkpoint / kFiles[1]), state.optimizer_steps);
+    set_adam_state(optimizer, network, SafetensorsFile(checkpoint / kCheckpointFiles[1]),
+                   state.optimizer_steps);
   return state;
 }
 

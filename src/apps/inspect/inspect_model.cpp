@@ -1,20 +1,17 @@
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <set>
 
 #include "apps/inspect/inspect.h"
-#include "core/checksum.h"
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/json_text.h"
+#include "weights/checkpoint_files.h"
 #include "weights/weight_file.h"
 
 namespace ld {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr std::array kCheckpointFiles = {"weights.safetensors", "optimizer.safetensors", "state.json"};
 
 int64_t elements(const TensorView& tensor) {
   return static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
@@ -96,25 +93,6 @@ void add_weights(Report& report, nlohmann::ordered_json& facts, const Safetensor
         nlohmann::ordered_json::parse(header.provenance);  // read_weights_header() has parsed it
 }
 
-/// Every file of a checkpoint is listed and is what the list says.
-void compare_checksums(Report& report, const fs::path& folder) {
-  const fs::path path = folder / "checksums.json";
-  const nlohmann::json sums = parse_json(read_file(path, 1 << 20), path.string());
-  if (!sums.is_object() || !sums.contains("files") || !sums.at("files").is_object())
-    fail("{}: expected {{\"files\": {{name: checksum}}}}; the checkpoint is damaged", path.string());
-  for (const char* name : kCheckpointFiles) {
-    report.attempt([&] {
-      const auto entry = sums.at("files").find(name);
-      if (entry == sums.at("files").end() || !entry->is_string())
-        fail("{}: has no checksum of {}; the checkpoint is damaged", path.string(), name);
-      const std::string found = file_checksum(folder / name);
-      if (found != entry->get<std::string>())
-        fail("{}: checksum {}; {} says {}; the file was changed or damaged", (folder / name).string(), found,
-             path.filename().string(), entry->get<std::string>());
-    });
-  }
-}
-
 /// The checkpoint that a link of a run names, in the facts under `name`.
 void add_linked_checkpoint(Report& report, const fs::path& link, const std::string& name) {
   if (!fs::exists(link)) {
@@ -155,7 +133,9 @@ void inspect_tensors(Report& report) {
 void inspect_checkpoint(Report& report) {
   report.kind = "checkpoint";
   const fs::path folder = report.path;
-  report.attempt([&] { compare_checksums(report, folder); });
+  report.attempt([&] {
+    for (const char* name : kCheckpointFiles) verify_checkpoint_file(folder, name);
+  });
   report.attempt([&] {
     const fs::path path = folder / "state.json";
     const std::string text = read_file(path, 1 << 20);

@@ -10,6 +10,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/run_program.h"
 #include "tests/support/tiny_dataset.h"
+#include "weights/checkpoint_files.h"
 #include "weights/weight_file.h"
 
 namespace ld {
@@ -42,10 +43,7 @@ void write_checkpoint(const fs::path& folder) {
   const double moment = 0.1;
   write_safetensors(folder / "optimizer.safetensors", {{"moment", DType::f64, {1}, &moment, 8}}, {});
   write_file_atomically(folder / "state.json", R"({"step": 40, "best_step": 20})");
-  nlohmann::json sums;
-  for (const char* name : {"weights.safetensors", "optimizer.safetensors", "state.json"})
-    sums["files"][name] = file_checksum(folder / name);
-  write_file_atomically(folder / "checksums.json", sums.dump());
+  write_checkpoint_checksums(folder);
 }
 
 TEST(Inspect, AFrame) {
