@@ -13,6 +13,7 @@ packages=(
   libopenexr-dev libopenimageio-dev openimageio-tools
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
   libembree-dev
+  libhwy-dev
   libgtest-dev
 )
 tests=ON

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "ops/check.h"
+#include "ops/composition.h"
 
 namespace ld {
 namespace {
@@ -212,6 +213,7 @@ Tensor fully_connected(const Tensor& x, const Tensor& shared, const FullyConnect
     inputs = network.weights[i].size(0);
     expect_tensor("fully_connected: biases", "[outputs]", network.biases[i], {inputs}, type);
   }
+  if (runs_composed(x)) return composed::fully_connected(x, shared, network, activate_last);
   const c10::optional<Tensor> flat_shared =
       shared.defined() ? c10::optional<Tensor>(shared.contiguous().flatten(2)) : c10::nullopt;
   return FullyConnected::apply(x.contiguous().flatten(3), flat_shared, at::TensorList(network.weights),

@@ -6,6 +6,8 @@
 
 #include "core/error.h"
 #include "ops/check.h"
+#include "ops/composition.h"
+#include "ops/finite_sources.h"
 #include "ops/pictures.h"
 #include "ops/splat_loops.h"
 
@@ -96,23 +98,36 @@ class KernelSplat : public torch::autograd::Function<KernelSplat> {
   }
 };
 
+/// The checks that both entries share.
+void check(const char* name, const Tensor& logits, const Tensor& log_n, const Tensor& values) {
+  const std::string op = name;
+  const auto type = floating_type((op + ": logits").c_str(), logits);
+  expect_tensor((op + ": logits").c_str(), "[B, N, K*K, H, W]", logits,
+                {kAnySize, kAnySize, kAnySize, kAnySize, kAnySize}, type);
+  expect_odd_kernel(name, logits.size(2));
+  const int64_t batch = logits.size(0), layers = logits.size(1), height = logits.size(3),
+                width = logits.size(4);
+  expect_tensor((op + ": log_n").c_str(), "[B, N, H, W]", log_n, {batch, layers, height, width}, type);
+  expect_tensor((op + ": values").c_str(), "[B, N, C, H, W]", values,
+                {batch, layers, kAnySize, height, width}, type);
+}
+
 }  // namespace
 
 Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& values) {
-  const auto type = floating_type("kernel_splat: logits", logits);
-  expect_tensor("kernel_splat: logits", "[B, N, K*K, H, W]", logits,
-                {kAnySize, kAnySize, kAnySize, kAnySize, kAnySize}, type);
-  const int64_t kernel = std::lround(std::sqrt(double(logits.size(2))));
-  if (kernel % 2 == 0 || kernel * kernel != logits.size(2))
-    fail("kernel_splat: logits have {} taps, expected the square of an odd kernel size", logits.size(2));
-  const int64_t batch = logits.size(0), layers = logits.size(1), height = logits.size(3),
-                width = logits.size(4);
-  expect_tensor("kernel_splat: log_n", "[B, N, H, W]", log_n, {batch, layers, height, width}, type);
-  expect_tensor("kernel_splat: values", "[B, N, C, H, W]", values, {batch, layers, kAnySize, height, width},
-                type);
+  check("kernel_splat", logits, log_n, values);
+  const SplatSources sources = finite_sources(log_n, values);
+  if (runs_composed(logits))
+    return composed::kernel_splat(logits, sources.log_n, sources.values, /*joint=*/false) / sources.scale;
   const bool differentiable = at::GradMode::is_enabled() &&
                               (logits.requires_grad() || log_n.requires_grad() || values.requires_grad());
-  return KernelSplat::apply(logits, log_n, values, differentiable);
+  return KernelSplat::apply(logits, sources.log_n, sources.values, differentiable) / sources.scale;
+}
+
+Tensor kernel_splat_joint(const Tensor& logits, const Tensor& log_n, const Tensor& values) {
+  check("kernel_splat_joint", logits, log_n, values);
+  const SplatSources sources = finite_sources(log_n, values);
+  return composed::kernel_splat(logits, sources.log_n, sources.values, /*joint=*/true) / sources.scale;
 }
 
 }  // namespace ld

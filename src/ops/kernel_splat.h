@@ -14,14 +14,21 @@ namespace ld {
 ///   out_l(q) = sum_p n_l exp(e_l) v_l / sum_p n_l exp(e_l).
 /// For v = L_l/n_l that is filtered L_l over filtered n_l (eq. 4); for v = n_(l+1)/n_l it is 1 - alpha_l. The
 /// weights are a softmax at the destination over e_l + log n_l, so neither large logits nor an empty layer
-/// lose energy, and they are normalised before they meet the values, so that values up to the largest float
-/// do not overflow.
+/// lose energy, and values up to the largest float do not overflow.
 ///
-/// logits [B, N, K*K, H, W], log_n [B, N, H, W] (-inf: sends nothing), values [B, N, C, H, W], result [B, N,
-/// C, H, W], 0 where nothing arrives. All float32 or all float64. Differentiable in all three; the gradient
-/// flows through m_p (at ties, to the first of the largest taps). Ordered gathers both ways: the bits do not
-/// depend on the thread count. Throws Error on shapes that do not fit.
+/// logits [B, N, K*K, H, W] (beyond a quarter of the type's range they count as that, NaN as the lowest),
+/// log_n [B, N, H, W] (-inf: sends nothing), values [B, N, C, H, W], result [B, N, C, H, W], 0 where nothing
+/// arrives. A pixel whose log_n or values are NaN or infinite sends nothing in that layer. All of one floating
+/// type. Differentiable in all three; the gradient flows through m_p (at ties, to the first of the largest
+/// taps). The bits do not depend on the thread count. Throws Error on shapes that do not fit.
 torch::Tensor kernel_splat(const torch::Tensor& logits, const torch::Tensor& log_n,
                            const torch::Tensor& values);
+
+/// The same with one mean over all layers instead of one for each, result [B, C, H, W]:
+///   out(q) = sum_l sum_p n_l exp(e_l) v_l / sum_l sum_p n_l exp(e_l).
+/// With n = w_l and v = L_l/w_l it is the weighted compositor, eq. 6; with a layer for each sample, n = 1 and
+/// v = L_s the SampleSplat network.
+torch::Tensor kernel_splat_joint(const torch::Tensor& logits, const torch::Tensor& log_n,
+                                 const torch::Tensor& values);
 
 }  // namespace ld

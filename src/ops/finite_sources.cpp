@@ -1,0 +1,39 @@
+#include "ops/finite_sources.h"
+
+#include <cmath>
+#include <limits>
+
+namespace ld {
+
+using torch::Tensor;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Above this the 31 * 31 taps of 1024 layers of float32 values could overflow a sum (10^38 / 10^6); a scene
+// that has no such value is not touched, so that scaling it by a power of two changes no bit.
+constexpr double kLargestValue = 1e32;
+constexpr double kScale = 1.0 / (1 << 20);
+
+}  // namespace
+
+SplatSources finite_sources(const Tensor& log_n, const Tensor& values) {
+  SplatSources sources{log_n, values, 1};
+  if (values.numel() == 0) return sources;
+  const auto [low, high] = at::aminmax(values.detach());  // NaN passes through
+  double largest = std::max(-low.item<double>(), high.item<double>());
+  const double highest_log_n = log_n.detach().max().item<double>();
+  if (!(largest < kInfinity) || std::isnan(low.item<double>()) || !(highest_log_n < kInfinity)) {
+    const Tensor good = values.detach().isfinite().all(-3).logical_and(log_n.detach().lt(kInfinity));
+    sources.log_n = log_n.masked_fill(good.logical_not(), -kInfinity);
+    sources.values = values.masked_fill(good.logical_not().unsqueeze(-3), 0);
+    largest = sources.values.detach().abs().max().item<double>();
+  }
+  if (largest > kLargestValue && values.scalar_type() == torch::kFloat32) {
+    sources.scale = kScale;
+    sources.values = sources.values * kScale;
+  }
+  return sources;
+}
+
+}  // namespace ld
