@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include "core/error.h"
+#include "metrics/metric.h"
 #include "tests/support/gradient_check.h"
 
 namespace ld {
@@ -33,13 +36,35 @@ double l2_reference(const Tensor& d, const Tensor& r) {
   return sum / double(d.numel());
 }
 
+double l1_reference(const Tensor& d, const Tensor& r) {
+  double sum = 0;
+  for (int64_t i = 0; i < d.numel(); ++i) sum += std::abs(d.data_ptr<double>()[i] - r.data_ptr<double>()[i]);
+  return sum / double(d.numel());
+}
+
+double relmse_reference(const Tensor& d, const Tensor& r) {
+  double sum = 0;
+  for (int64_t i = 0; i < d.numel(); ++i) {
+    const double a = d.data_ptr<double>()[i], b = r.data_ptr<double>()[i];
+    sum += (a - b) * (a - b) / (b * b + 1e-4);
+  }
+  return sum / double(d.numel());
+}
+
 TEST(Losses, AgreeWithTheirEquations) {
+  const std::map<std::string, double (*)(const Tensor&, const Tensor&)> equations = {
+      {"l1", l1_reference},
+      {"l2_tonemapped", l2_reference},
+      {"relmse", relmse_reference},
+      {"smape", smape_reference}};
   const Tensor d = random_uniform({2, 3, 5, 7}, 1, 0, 3), r = random_uniform({2, 3, 5, 7}, 2, 0, 3);
-  for (const auto& [name, expected] : std::vector<std::pair<std::string, double>>{
-           {"smape", smape_reference(d, r)}, {"l2_tonemapped", l2_reference(d, r)}}) {
+  for (const std::string& name : loss_names()) {
+    ASSERT_EQ(equations.count(name), 1) << "no equation to compare loss " << name << " with";
+    const double expected = equations.at(name)(d, r);
     const Loss loss = make_loss(name);
-    EXPECT_NEAR(loss(d, r).item<double>(), expected, 1e-14) << name;
-    EXPECT_NEAR(loss(d.to(torch::kFloat32), r.to(torch::kFloat32)).item<double>(), expected, 1e-6) << name;
+    EXPECT_NEAR(loss(d, r).item<double>() / expected, 1, 1e-13) << name;
+    EXPECT_NEAR(loss(d.to(torch::kFloat32), r.to(torch::kFloat32)).item<double>() / expected, 1, 3e-6)
+        << name;
   }
 }
 
@@ -47,6 +72,35 @@ TEST(Losses, HandValues) {
   const Tensor d = torch::tensor({1.0, 0.0}, torch::kFloat64), r = torch::tensor({3.0, 0.0}, torch::kFloat64);
   EXPECT_NEAR(make_loss("smape")(d, r).item<double>(), 2 / 4.01 / 2, 1e-15);
   EXPECT_EQ(make_loss("l2_tonemapped")(d, d).item<double>(), 0);
+  EXPECT_EQ(make_loss("l1")(d, r).item<double>(), 1);
+  EXPECT_NEAR(make_loss("relmse")(d, r).item<double>(), 4 / 9.0001 / 2, 1e-15);
+}
+
+// One definition of the epsilons: a loss is its metric where that is within the loss's bounds.
+TEST(Losses, RelmseAndSmapeAreTheMetricsOfTheSameName) {
+  const Tensor d = random_uniform({3, 6, 7}, 5, 0, 2), r = random_uniform({3, 6, 7}, 6, 0, 2).pow(8);
+  Image a(7, 6, 3), b(7, 6, 3);
+  for (int64_t i = 0; i < d.numel(); ++i) {
+    a.pixels[size_t(i)] = float(d.data_ptr<double>()[i]);
+    b.pixels[size_t(i)] = float(r.data_ptr<double>()[i]);
+  }
+  for (const char* name : {"relmse", "smape"}) {
+    const double loss = make_loss(name)(d, r).item<double>();
+    EXPECT_NEAR(loss / find_metric(name).compute(a, b), 1, 1e-6) << name;
+  }
+}
+
+TEST(Losses, LargeErrorsDoNotOverflowTheSum) {
+  const Tensor huge = torch::full({1, 3, 16, 16}, 3e38F), black = torch::zeros({1, 3, 16, 16});
+  EXPECT_NEAR(make_loss("l1")(huge, black).item<double>() / 3e38, 1, 1e-6);
+  EXPECT_EQ(make_loss("l1")(huge, -huge).item<float>(), std::numeric_limits<float>::max());
+  EXPECT_NEAR(make_loss("relmse")(huge, black).item<double>() / 1e16, 1, 1e-6);
+  // What half floats can hold keeps its value and its gradient.
+  const Tensor firefly = torch::full({1, 3, 1, 1}, 65504.0F).set_requires_grad(true);
+  const Tensor loss = make_loss("relmse")(firefly, torch::zeros({1, 3, 1, 1}));
+  loss.backward();
+  EXPECT_NEAR(loss.item<double>() / (65504.0 * 65504.0 * 1e4), 1, 1e-6);
+  EXPECT_NEAR(firefly.grad()[0][0][0][0].item<double>() / (2 * 65504.0 * 1e4 / 3), 1, 1e-6);
 }
 
 // Every registered loss, also the one that is added tomorrow.
@@ -58,7 +112,7 @@ TEST(Losses, GradientsAgreeWithFiniteDifferences) {
 }
 
 TEST(Losses, StayFiniteOnTheirWholeDomain) {
-  const std::vector<double> values = {0, 1e-40, 1e-38, 1e-3, 1, 65504, 1e30, 3e38};
+  const std::vector<double> values = {0, 1e-40, 1e-38, 1e-3, 1, 65504, 1e30, 3e38, -1e-40, -100, -3e38};
   for (const std::string& name : loss_names())
     for (const double d : values)
       for (const double r : values) {
@@ -78,7 +132,8 @@ TEST(Losses, UnknownNamesAndUnequalShapesAreErrors) {
     make_loss("smap");
     FAIL() << "accepted an unknown loss";
   } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(), "unknown loss 'smap'; did you mean 'smape'? choose from l2_tonemapped, smape");
+    EXPECT_STREQ(error.what(),
+                 "unknown loss 'smap'; did you mean 'smape'? choose from l1, l2_tonemapped, relmse, smape");
   }
   for (const std::string& name : loss_names()) {
     EXPECT_THROW(make_loss(name)(torch::ones({1, 3, 2, 2}), torch::ones({1, 3, 2, 1})), Error);
