@@ -1,7 +1,10 @@
-// Compositing of the filtered layers ([MH20] section 3).
+// Filtering and compositing of the layers ([MH20] section 3 and 3.1).
 #pragma once
 
 #include <torch/torch.h>
+
+#include "ops/generated_filter.h"
+#include "ops/partition.h"
 
 namespace ld {
 
@@ -17,6 +20,18 @@ inline torch::Tensor composite_alpha(const torch::Tensor& radiance, const torch:
     visible = visible * transmittance.select(1, l);
   }
   return color;
+}
+
+/// The second half of figure 2: kernels from the layers' embeddings and the context [B, C, H, W], eq. 3 and
+/// 4, and the compositor that the partition was made for: eq. 5, or the weighted sum of eq. 6, which is sum
+/// L-bar_l over sum w-bar_l (as printed it would weigh by w twice). Result [B, 3, H, W].
+inline torch::Tensor filter_and_composite(const FullyConnectedWeights& generator, const Partition& layers,
+                                          const torch::Tensor& context, Compositing compositing) {
+  if (compositing == Compositing::weighted)
+    return generated_splat_joint(generator, layers.embedding, context, layers.log_n, layers.radiance);
+  const torch::Tensor filtered = generated_splat(generator, layers.embedding, context, layers.log_n,
+                                                 at::cat({layers.radiance, layers.transmittance}, 2));
+  return composite_alpha(filtered.narrow(2, 0, 3), filtered.narrow(2, 3, 1));
 }
 
 }  // namespace ld

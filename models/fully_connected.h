@@ -31,6 +31,9 @@ class FullyConnected : public torch::nn::Module {
     return fully_connected(x, context, weights_, last_ == LastLayer::activated);
   }
 
+  /// The parameters as the operators take them.
+  const FullyConnectedWeights& weights() const { return weights_; }
+
  private:
   LastLayer last_;
   FullyConnectedWeights weights_;  // the registered parameters

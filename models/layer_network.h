@@ -1,14 +1,8 @@
 // The layered denoiser of [MH20] (figure 2, section 3, appendix A), network name "layer".
 #pragma once
 
-#include <memory>
-
 #include "models/kernel_generator.h"
-#include "models/network.h"
-#include "models/sample_partitioner.h"
-#include "models/sample_reducer.h"
-#include "models/unet.h"
-#include "ops/partition.h"
+#include "models/layered_network.h"
 
 namespace ld {
 
@@ -18,28 +12,27 @@ struct LayerStages {
   torch::Tensor context;           // C_xy [B, C, H, W]
   torch::Tensor partition_logits;  // [B, S, N, H, W]
   Partition layers;                // eq. 1 and 2
-  torch::Tensor radiance;          // filtered L_l over filtered n_l, eq. 4 [B, N, 3, H, W]
-  torch::Tensor transmittance;     // 1 - alpha_l, eq. 4 [B, N, 1, H, W]
-  torch::Tensor output;            // eq. 5 [B, 3, H, W]
+
+  // Each layer before and after its filter. Radiance is premultiplied: L_l / n_l is what the layer adds to a
+  // picture in which nothing lies in front of it, its colour times its opacity; radiance / opacity is the
+  // colour alone. With the weighted compositor n_l is w_l, the opacity 1 and the radiance the colour.
+  torch::Tensor unfiltered_radiance;  // L_l / n_l [B, N, 3, H, W]
+  torch::Tensor radiance;             // filtered L_l over filtered n_l, eq. 4 [B, N, 3, H, W]
+  torch::Tensor opacity;              // alpha_l, filtered w_l over filtered n_l, eq. 4 [B, N, 1, H, W]
+  torch::Tensor
+      weight;  // share of the layer's colour in the output [B, N, 1, H, W]; the sum over layers is 1
+  torch::Tensor output;  // eq. 5 or 6: the sum of weight * radiance / opacity [B, 3, H, W]
 };
 
-class LayerNetwork : public Network {
+class LayerNetwork : public LayeredNetwork {
  public:
   explicit LayerNetwork(const NetworkConfig& config);
 
-  torch::Tensor forward(const NetworkInput& input) override { return run(input, nullptr); }
-
-  LayerStages stages(const NetworkInput& input);
+  LayerStages stages(NetworkInput input);
 
  private:
-  torch::Tensor run(const NetworkInput& input, LayerStages* stages);
-  torch::Tensor filter(const Partition& layers, const torch::Tensor& context) const;
-  torch::Tensor filter_rows(const Partition& layers, const torch::Tensor& context, int64_t begin,
-                            int64_t end) const;
+  torch::Tensor denoise(NetworkInput input) override;
 
-  std::shared_ptr<SampleReducer> sample_reducer_;
-  std::shared_ptr<UNet> unet_;
-  std::shared_ptr<SamplePartitioner> sample_partitioner_;
   std::shared_ptr<KernelGenerator> kernel_generator_;
 };
 

@@ -13,16 +13,32 @@
 #include "core/random.h"
 #include "frame/schema.h"
 #include "models/layer_network.h"
+#include "models/optimized_network.h"
+#include "models/pixel_gather_network.h"
+#include "models/pixel_splat_network.h"
+#include "models/sample_splat_network.h"
 
 namespace ld {
 namespace {
 
-using Factory = std::function<std::shared_ptr<Network>(const NetworkConfig&)>;
+struct Entry {
+  std::function<std::shared_ptr<Network>(const NetworkConfig&)> make;
+  bool has_layers, has_levels;
+};
+
+template <class T>
+std::shared_ptr<Network> make(const NetworkConfig& config) {
+  return std::make_shared<T>(config);
+}
 
 /// A new network is one line here and one file beside this one.
-const std::map<std::string, Factory>& registry() {
-  static const std::map<std::string, Factory> networks = {
-      {"layer", [](const NetworkConfig& config) { return std::make_shared<LayerNetwork>(config); }},
+const std::map<std::string, Entry>& registry() {
+  static const std::map<std::string, Entry> networks = {
+      {"layer", {make<LayerNetwork>, true, false}},
+      {"optimized", {make<OptimizedNetwork>, true, true}},
+      {"pixel_gather", {make<PixelGatherNetwork>, false, false}},
+      {"pixel_splat", {make<PixelSplatNetwork>, false, false}},
+      {"sample_splat", {make<SampleSplatNetwork>, false, false}},
   };
   return networks;
 }
@@ -40,11 +56,30 @@ void check_choice(const char* key, const std::string& value, const std::vector<s
              nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(choices, ", "));
 }
 
+/// Keys that somebody set to choose between networks, on a network that cannot follow.
+void check_use(const NetworkConfig& config) {
+  const Entry& network = registry().at(config.name);
+  const NetworkConfig unset;
+  if (!network.has_layers && config.compositing != unset.compositing)
+    fail_usage("network.compositing is '{}', but network '{}' has no layers to composite; leave it out",
+               config.compositing, config.name);
+  if (!network.has_layers && config.layers != unset.layers)
+    fail_usage("network.layers is {}, but network '{}' has no layers; leave it out", config.layers,
+               config.name);
+  if (!network.has_levels && config.levels != unset.levels)
+    fail_usage(
+        "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized'",
+        config.levels, config.name);
+  if (network.has_levels && (config.levels < 1 || config.levels > UNet::resolutions(config.unet)))
+    fail_usage("network.levels is {}, expected 1 to {}: the U-net has so many resolutions", config.levels,
+               UNet::resolutions(config.unet));
+}
+
 /// What the reader of the file cannot see: that the sizes fit together. Weight files bring configurations
 /// too.
 void check_config(const NetworkConfig& config) {
   check_choice("name", config.name, network_names());
-  check_choice("compositing", config.compositing, {"alpha"});
+  check_choice("compositing", config.compositing, {"alpha", "weighted"});
   check_choice("unet.upsampling", config.unet.upsampling, {"bilinear", "nearest"});
   if (config.features.empty())
     fail_usage("network.features is empty, expected some of {}", fmt::join(feature_names(), ", "));
@@ -68,6 +103,7 @@ void check_config(const NetworkConfig& config) {
   for (const auto& block : unet.decoder) check_widths("unet.decoder", block, false);
   check_widths("unet.bottleneck", unet.bottleneck, false);
   check_widths("unet.context", {unet.context}, false);
+  check_use(config);
 }
 
 }  // namespace
@@ -80,7 +116,7 @@ std::vector<std::string> network_names() {
 
 std::shared_ptr<Network> make_network(const NetworkConfig& config) {
   check_config(config);
-  return registry().at(config.name)(config);
+  return registry().at(config.name).make(config);
 }
 
 void initialise_xavier(Network& network, uint64_t seed) {

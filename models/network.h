@@ -1,4 +1,4 @@
-// What every denoising network takes and gives, and the registry that makes one from its configuration.
+// What every denoising network is, and the registry that makes one from its configuration.
 #pragma once
 
 #include <torch/torch.h>
@@ -8,29 +8,38 @@
 #include <vector>
 
 #include "models/network_config.h"
+#include "models/network_input.h"
 
 namespace ld {
-
-/// A batch of frames or crops, float32 or float64.
-struct NetworkInput {
-  torch::Tensor features;  // [B, S, F, H, W] encoded (frame/schema.h), channels in the order of
-                           // NetworkConfig::features; 0 where a sample is not valid
-  torch::Tensor radiance;  // [B, S, 3, H, W] linear, >= 0, finite; 0 where a sample is not valid
-  torch::Tensor valid;     // [B, S, 1, H, W] 1 for a sample that was drawn, 0 for a missing or masked one
-};
 
 /// A network of [MH20]: linear radiance samples and features in, the linear denoised image [B, 3, H, W] out.
 class Network : public torch::nn::Module {
  public:
   explicit Network(NetworkConfig config) : config_(std::move(config)) {}
 
-  /// Any H and W from 1. Throws Error when a shape does not fit the configuration.
-  virtual torch::Tensor forward(const NetworkInput& input) = 0;
+  /// Any H and W from 1, any number of samples from 1. A pixel without valid samples sends nothing and
+  /// receives from its neighbours; where nothing is in reach the result is 0. Throws Error when a shape does
+  /// not fit the configuration. Hand the input over with std::move where it is not needed any more: its
+  /// memory is then free as soon as the network has read it.
+  torch::Tensor forward(NetworkInput input) { return denoise(admit(std::move(input))); }
+
+  /// What was wrong with the input of the last call.
+  const InputFaults& faults() const { return faults_; }
 
   const NetworkConfig& config() const { return config_; }
 
+ protected:
+  /// The input checked and sanitised: every way into a network leads through here.
+  NetworkInput admit(NetworkInput input) {
+    check_input(input, config_);
+    return sanitise(std::move(input), faults_);
+  }
+
  private:
+  virtual torch::Tensor denoise(NetworkInput input) = 0;
+
   NetworkConfig config_;
+  InputFaults faults_;
 };
 
 /// Throws UsageError for an unknown name or sizes that do not fit together. Weights are uninitialised until

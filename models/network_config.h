@@ -28,12 +28,15 @@ struct UNetConfig {
   }
 };
 
+/// One struct for all networks; keys that a network has no use for are ignored, except where that would
+/// surprise (make_network).
 struct NetworkConfig {
-  std::string name = "layer";
+  std::string name = "layer";  // of the registry in network.cpp
   std::vector<std::string> features = {"radiance",  "normal", "depth", "albedo", "specular",
                                        "roughness", "motion", "coc",   "lens",   "time"};
   int64_t layers = 2;
-  std::string compositing = "alpha";
+  std::string compositing = "alpha";  // or "weighted" ([MH20] section 3.1)
+  int64_t levels = 3;  // resolutions of network "optimized": full, 1/2, 1/4, ... ([MH20] section 6)
   int64_t kernel_size = 17;
   std::vector<int64_t> sample_reducer = {32, 32, 32};  // outputs of its layers; the last is the embedding
   std::vector<int64_t> sample_partitioner = {32, 16};  // hidden layers; the output is `layers`
@@ -45,7 +48,8 @@ struct NetworkConfig {
     v.field("name", name);
     v.field("features", features);
     v.field("layers", layers, Range{1, 8});
-    v.field("compositing", compositing, {"alpha"});
+    v.field("compositing", compositing, {"alpha", "weighted"});
+    v.field("levels", levels, Range{1, 16});
     v.field("kernel_size", kernel_size, Range{1, 31});
     v.field("sample_reducer", sample_reducer, Range{1, 4096});
     v.field("sample_partitioner", sample_partitioner, Range{1, 4096});

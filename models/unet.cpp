@@ -1,5 +1,7 @@
 #include "models/unet.h"
 
+#include "models/row_strips.h"
+
 namespace ld {
 
 using torch::Tensor;
@@ -11,9 +13,19 @@ nn::Conv2d convolution(int64_t inputs, int64_t outputs) {
   return nn::Conv2d(nn::Conv2dOptions(inputs, outputs, 3).padding(1));
 }
 
+int64_t even(int64_t n) {
+  return (n + 1) / 2 * 2;
+}
+
+/// Memory of one row of full resolution in a block: what comes in and two layers' outputs.
+int64_t row_bytes(const Tensor& picture, int64_t inputs, const std::vector<int64_t>& widths) {
+  const int64_t widest = *std::max_element(widths.begin(), widths.end());
+  return picture.size(0) * (inputs + 2 * widest) * picture.size(3) * int64_t(picture.element_size());
+}
+
 }  // namespace
 
-UNet::UNet(int64_t inputs, const UNetConfig& config) : bilinear_(config.upsampling == "bilinear") {
+UNet::UNet(int64_t inputs, const UNetConfig& config) : config_(config) {
   std::vector<int64_t> skips;  // channels of the skips, finest first
   int64_t channels = inputs;
   for (const auto& widths : config.encoder) {
@@ -43,30 +55,77 @@ nn::Sequential UNet::make_block(int64_t inputs, const std::vector<int64_t>& widt
   return block;
 }
 
-Tensor UNet::upsample(const Tensor& x) const {
-  const std::vector<int64_t> size = {2 * x.size(2), 2 * x.size(3)};
-  return bilinear_ ? at::upsample_bilinear2d(x, size, /*align_corners=*/false)
-                   : at::upsample_nearest2d(x, size);
+int64_t UNet::feature_channels(const UNetConfig& config, int64_t resolution) {
+  if (resolution == 0) return config.context;
+  const int64_t blocks = int64_t(config.decoder.size());
+  return resolution == blocks ? config.bottleneck.back()
+                              : config.decoder[size_t(blocks - 1 - resolution)].back();
 }
 
-Tensor UNet::forward(const Tensor& input) {
+Tensor UNet::upsample(const Tensor& x) const {
+  const std::vector<int64_t> size = {2 * x.size(2), 2 * x.size(3)};
+  return config_.upsampling == "bilinear" ? at::upsample_bilinear2d(x, size, /*align_corners=*/false)
+                                          : at::upsample_nearest2d(x, size);
+}
+
+std::vector<Tensor> UNet::features(const Tensor& input, int64_t resolutions) {
   const int64_t height = input.size(2), width = input.size(3), multiple = int64_t(1) << encoder_.size();
   const int64_t bottom = (multiple - height % multiple) % multiple,
                 right = (multiple - width % multiple) % multiple;
   Tensor x = bottom + right == 0 ? input : at::replication_pad2d(input, {0, right, 0, bottom});
 
-  std::vector<Tensor> skips;
-  for (auto& block : encoder_) {
+  std::vector<Tensor> skips = {x};
+  x = encode_finest(x);
+  for (size_t i = 1; i < encoder_.size(); ++i) {
     skips.push_back(x);
-    x = at::max_pool2d(block->forward(x), 2);
+    x = at::max_pool2d(encoder_[i]->forward(x), 2);
   }
   x = bottleneck_->forward(x);
-  for (auto& block : decoder_) {
-    x = block->forward(at::cat({upsample(x), skips.back()}, 1));
+
+  std::vector<Tensor> features(static_cast<size_t>(resolutions));
+  for (int64_t resolution = int64_t(decoder_.size());; --resolution) {
+    if (resolution < resolutions) {
+      const int64_t scale = int64_t(1) << resolution;
+      features[size_t(resolution)] =
+          x.narrow(2, 0, (height + scale - 1) / scale).narrow(3, 0, (width + scale - 1) / scale).contiguous();
+    }
+    if (resolution == 0) return features;
+    nn::Sequential& block = decoder_[decoder_.size() - size_t(resolution)];
+    x = resolution == 1 ? decode_finest(x, skips.back())
+                        : block->forward(at::cat({upsample(x), skips.back()}, 1));
     skips.pop_back();
   }
-  x = context_->forward(x);
-  return x.narrow(2, 0, height).narrow(3, 0, width);
+}
+
+/// The first encoder block and its pool.
+Tensor UNet::encode_finest(const Tensor& input) {
+  const int64_t height = input.size(2), halo = even(int64_t(config_.encoder[0].size()));
+  const int64_t step = strip_rows(height, row_bytes(input, input.size(1), config_.encoder[0]));
+  // Of a picture of half the height: a strip of fine rows leaves half as many.
+  return in_strips(height / 2, step / 2, [&](int64_t half_begin, int64_t half_end) {
+    const int64_t begin = 2 * half_begin, end = 2 * half_end;
+    const int64_t first = std::max<int64_t>(begin - halo, 0), last = std::min(end + halo, height);
+    const Tensor x = encoder_[0]->forward(rows(input, first, last));
+    return std::vector<Tensor>{at::max_pool2d(rows(x, begin - first, end - first), 2)};
+  })[0];
+}
+
+/// The last decoder block and the convolution to the context.
+Tensor UNet::decode_finest(const Tensor& coarse, const Tensor& skip) {
+  const int64_t height = skip.size(2), halo = even(int64_t(config_.decoder.back().size()) + 1);
+  std::vector<int64_t> widths = config_.decoder.back();
+  widths.push_back(config_.context);
+  const int64_t step = strip_rows(height, row_bytes(skip, coarse.size(1) + skip.size(1), widths));
+  return in_strips(height, step, [&](int64_t begin, int64_t end) {
+    const int64_t first = std::max<int64_t>(begin - halo, 0), last = std::min(end + halo, height);
+    // One more coarse row on either side: what bilinear upsampling blends the outermost rows with.
+    const int64_t coarse_first = std::max<int64_t>(first / 2 - 1, 0),
+                  coarse_last = std::min(last / 2 + 1, height / 2);
+    const Tensor up = rows(upsample(rows(coarse, coarse_first, coarse_last)), first - 2 * coarse_first,
+                           last - 2 * coarse_first);
+    const Tensor x = decoder_.back()->forward(at::cat({up, rows(skip, first, last)}, 1));
+    return std::vector<Tensor>{rows(context_->forward(x), begin - first, end - first)};
+  })[0];
 }
 
 }  // namespace ld

@@ -120,25 +120,39 @@ TEST(Network, SizesThatDoNotFitAreUsageErrors) {
   config.unet.context = 0;
   expect_usage_error(config, "network.unet.context");
   config = small_config();
+  config.name = "pixel_gather";
+  config.compositing = "weighted";
+  expect_usage_error(config, "network 'pixel_gather' has no layers to composite");
+  config = small_config();
+  config.name = "sample_splat";
+  config.layers = 3;
+  expect_usage_error(config, "network.layers is 3, but network 'sample_splat' has no layers");
+  config = small_config();
+  config.levels = 2;
+  expect_usage_error(config, "network.levels is 2, but network 'layer' works at one resolution");
+  config = small_config();
+  config.name = "optimized";
+  config.levels = 4;
+  expect_usage_error(config, "network.levels is 4, expected 1 to 3");
+  config = small_config();
   config.unet.upsampling = "cubic";
   expect_usage_error(config, "network.unet.upsampling 'cubic'");
 }
 
-// Every registered network, also the one that is added tomorrow.
 TEST(Network, EveryNetworkDenoisesAndTrains) {
-  for (const std::string& name : network_names()) {
-    NetworkConfig config = small_config();
-    config.name = name;
+  EXPECT_EQ(network_names(),
+            (std::vector<std::string>{"layer", "optimized", "pixel_gather", "pixel_splat", "sample_splat"}));
+  for (const NetworkConfig& config : every_config()) {
     const auto network = make_network(config);
     initialise_xavier(*network, 3);
     const NetworkInput input = random_input(config, 2, 3, 6, 5, torch::kFloat32);
     const torch::Tensor output = network->forward(input);
-    EXPECT_EQ(output.sizes(), (std::vector<int64_t>{2, 3, 6, 5})) << name;
-    output.sum().backward();
+    EXPECT_EQ(output.sizes(), (std::vector<int64_t>{2, 3, 6, 5})) << title(config);
+    output.square().sum().backward();
     for (const auto& entry : network->named_parameters()) {
-      ASSERT_TRUE(entry.value().grad().defined()) << name << " " << entry.key();
-      EXPECT_TRUE(all_finite(entry.value().grad())) << name << " " << entry.key();
-      EXPECT_GT(entry.value().grad().abs().max().item<double>(), 0) << name << " " << entry.key();
+      ASSERT_TRUE(entry.value().grad().defined()) << title(config) << " " << entry.key();
+      EXPECT_TRUE(all_finite(entry.value().grad())) << title(config) << " " << entry.key();
+      EXPECT_GT(entry.value().grad().abs().max().item<double>(), 0) << title(config) << " " << entry.key();
     }
   }
 }

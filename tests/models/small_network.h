@@ -1,6 +1,7 @@
 // A network small enough for scalar loops and finite differences, and random input for any configuration.
 #pragma once
 
+#include "core/error.h"
 #include "frame/schema.h"
 #include "models/network.h"
 #include "tests/support/tensors.h"
@@ -21,6 +22,34 @@ inline NetworkConfig small_config() {
   return config;
 }
 
+/// small_config() of every registered network, also of the one that is added tomorrow, and with weighted
+/// compositing of those that have layers.
+inline std::vector<NetworkConfig> every_config() {
+  std::vector<NetworkConfig> configs;
+  for (const std::string& name : network_names()) {
+    NetworkConfig config = small_config();
+    config.name = name;
+    configs.push_back(config);
+    config.compositing = "weighted";
+    try {
+      make_network(config);
+    } catch (const UsageError&) {
+      continue;  // no layers
+    }
+    configs.push_back(config);
+  }
+  return configs;
+}
+
+/// What a failing test calls the network.
+inline std::string title(const NetworkConfig& config) {
+  return config.name + " " + config.compositing + ", " + std::to_string(config.layers) + " layers";
+}
+
+inline bool has_layers(const NetworkConfig& config) {
+  return config.name == "layer" || config.name == "optimized";
+}
+
 /// Samples of which about a quarter are masked, and a pixel without any.
 inline NetworkInput random_input(const NetworkConfig& config, int64_t b, int64_t s, int64_t h, int64_t w,
                                  torch::ScalarType type, uint32_t seed = 1) {
@@ -29,6 +58,31 @@ inline NetworkInput random_input(const NetworkConfig& config, int64_t b, int64_t
   const torch::Tensor features =
       random_normal({b, s, channel_count(config.features), h, w}, seed + 2) * valid;
   return {features.to(type), radiance.to(type), valid.to(type)};
+}
+
+inline NetworkInput to_type(const NetworkInput& input, torch::ScalarType type) {
+  return {input.features.to(type), input.radiance.to(type), input.valid.to(type)};
+}
+
+/// The samples of the given indices, in that order.
+inline NetworkInput select_samples(const NetworkInput& input, const std::vector<int64_t>& samples) {
+  const torch::Tensor index = torch::tensor(samples);
+  return {input.features.index_select(1, index), input.radiance.index_select(1, index),
+          input.valid.index_select(1, index)};
+}
+
+/// Multiplies the last layers of partitioner and kernel generators, which make the logits.
+inline void scale_logits(Network& network, double scale) {
+  const torch::NoGradGuard no_gradient;
+  const std::string last_partition = std::to_string(network.config().sample_partitioner.size()),
+                    last_kernel = std::to_string(network.config().kernel_generator.size());
+  for (auto& entry : network.named_parameters()) {
+    const std::string& name = entry.key();
+    const bool partition = name.rfind("sample_partitioner." + last_partition + ".", 0) == 0;
+    const bool kernel =
+        name.rfind("kernel_generator", 0) == 0 && name.find("." + last_kernel + ".") != std::string::npos;
+    if (partition || kernel) entry.value().mul_(scale);
+  }
 }
 
 /// Xavier weights, and biases that are not 0, in the wanted type.

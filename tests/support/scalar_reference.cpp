@@ -10,15 +10,6 @@ double leaky(double x) {
   return x > 0 ? x : 0.01 * x;
 }
 
-/// Calls body(b, s, y, x) for all pixels of all S.
-template <class Body>
-void each(const Grid& g, Body body) {
-  for (int64_t b = 0; b < g.b; ++b)
-    for (int64_t s = 0; s < g.s; ++s)
-      for (int64_t y = 0; y < g.h; ++y)
-        for (int64_t x = 0; x < g.w; ++x) body(b, s, y, x);
-}
-
 Grid convolve(const Grid& in, const Parameters& parameters, const std::string& name, bool activate) {
   const Parameter &weight = parameters.at(name + ".weight"), &bias = parameters.at(name + ".bias");
   Grid out(in.b, 1, weight.shape[0], in.h, in.w);
@@ -55,23 +46,6 @@ Grid pool(const Grid& in) {
   return out;
 }
 
-/// Pixel centres of the fine grid lie a quarter of a coarse pixel beside those of the coarse one.
-Grid upsample(const Grid& in, bool bilinear) {
-  Grid out(in.b, 1, in.c, 2 * in.h, 2 * in.w);
-  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
-    const double v = std::clamp((double(y) + 0.5) / 2 - 0.5, 0.0, double(in.h - 1));
-    const double u = std::clamp((double(x) + 0.5) / 2 - 0.5, 0.0, double(in.w - 1));
-    const auto y0 = int64_t(v), x0 = int64_t(u);
-    const int64_t y1 = std::min(y0 + 1, in.h - 1), x1 = std::min(x0 + 1, in.w - 1);
-    const double fy = v - double(y0), fx = u - double(x0);
-    for (int64_t c = 0; c < in.c; ++c)
-      out(b, 0, c, y, x) = bilinear ? (1 - fy) * ((1 - fx) * in(b, 0, c, y0, x0) + fx * in(b, 0, c, y0, x1)) +
-                                          fy * ((1 - fx) * in(b, 0, c, y1, x0) + fx * in(b, 0, c, y1, x1))
-                                    : in(b, 0, c, y / 2, x / 2);
-  });
-  return out;
-}
-
 Grid concatenate(const Grid& first, const Grid& second) {
   Grid out(first.b, 1, first.c + second.c, first.h, first.w);
   each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
@@ -81,7 +55,24 @@ Grid concatenate(const Grid& first, const Grid& second) {
   return out;
 }
 
-/// A picture of another size: the last row and column repeated, or cropped.
+}  // namespace
+
+Grid upsample(const Grid& in, int64_t factor, bool bilinear) {
+  Grid out(in.b, 1, in.c, factor * in.h, factor * in.w);
+  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    const double v = std::clamp((double(y) + 0.5) / double(factor) - 0.5, 0.0, double(in.h - 1));
+    const double u = std::clamp((double(x) + 0.5) / double(factor) - 0.5, 0.0, double(in.w - 1));
+    const auto y0 = int64_t(v), x0 = int64_t(u);
+    const int64_t y1 = std::min(y0 + 1, in.h - 1), x1 = std::min(x0 + 1, in.w - 1);
+    const double fy = v - double(y0), fx = u - double(x0);
+    for (int64_t c = 0; c < in.c; ++c)
+      out(b, 0, c, y, x) = bilinear ? (1 - fy) * ((1 - fx) * in(b, 0, c, y0, x0) + fx * in(b, 0, c, y0, x1)) +
+                                          fy * ((1 - fx) * in(b, 0, c, y1, x0) + fx * in(b, 0, c, y1, x1))
+                                    : in(b, 0, c, y / factor, x / factor);
+  });
+  return out;
+}
+
 Grid resize(const Grid& in, int64_t h, int64_t w) {
   Grid out(in.b, 1, in.c, h, w);
   each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
@@ -90,8 +81,6 @@ Grid resize(const Grid& in, int64_t h, int64_t w) {
   });
   return out;
 }
-
-}  // namespace
 
 Grid fully_connected(const Grid& x, const Grid& shared, const Parameters& parameters,
                      const std::string& prefix, bool activate_last) {
@@ -180,32 +169,28 @@ Grid composite(const Grid& filtered_radiance, const Grid& filtered_weight, const
   return out;
 }
 
-Grid unet(const Grid& input, const Parameters& parameters, const UNetLayout& layout) {
+std::vector<Grid> unet(const Grid& input, const Parameters& parameters, const UNetLayout& layout) {
   const int64_t multiple = int64_t(1) << layout.encoder.size();
   Grid x = resize(input, (input.h + multiple - 1) / multiple * multiple,
                   (input.w + multiple - 1) / multiple * multiple);
-  std::vector<Grid> skips;
+  std::vector<Grid> skips, features;
+  const auto keep = [&](const Grid& picture, size_t halvings) {
+    const int64_t scale = int64_t(1) << halvings;
+    features.insert(features.begin(),
+                    resize(picture, (input.h + scale - 1) / scale, (input.w + scale - 1) / scale));
+  };
   for (size_t i = 0; i < layout.encoder.size(); ++i) {
     skips.push_back(x);
     x = pool(block(x, parameters, "unet.encoder" + std::to_string(i), layout.encoder[i]));
   }
   x = block(x, parameters, "unet.bottleneck", layout.bottleneck);
   for (size_t i = 0; i < layout.decoder.size(); ++i) {
-    x = concatenate(upsample(x, layout.bilinear), skips[skips.size() - 1 - i]);
+    keep(x, layout.decoder.size() - i);
+    x = concatenate(upsample(x, 2, layout.bilinear), skips[skips.size() - 1 - i]);
     x = block(x, parameters, "unet.decoder" + std::to_string(i), layout.decoder[i]);
   }
-  return resize(convolve(x, parameters, "unet.context", false), input.h, input.w);
-}
-
-Grid layer_network(const Grid& features, const Grid& radiance, const Grid& valid,
-                   const Parameters& parameters, const UNetLayout& layout) {
-  const Grid embedding = fully_connected(features, Grid(), parameters, "sample_reducer.", true);
-  const Grid context = unet(masked_mean(embedding, valid), parameters, layout);
-  const Grid logits = fully_connected(embedding, context, parameters, "sample_partitioner.", false);
-  const Layers layers = partition(logits, valid, radiance, embedding);
-  const Grid kernels = fully_connected(layers.embedding, context, parameters, "kernel_generator.", false);
-  return composite(splat(kernels, layers.radiance), splat(kernels, layers.weight),
-                   splat(kernels, layers.occupancy));
+  keep(convolve(x, parameters, "unet.context", false), 0);
+  return features;
 }
 
 }  // namespace ld::reference

@@ -1,6 +1,7 @@
-// The layered denoiser of [MH20] as plain loops in double, written from its equations and appendix A (with k
+// The parts of [MH20]'s networks as plain loops in double, written from its equations and appendix A (with k
 // >= l in eq. 2, layers 0 to N-1 in eq. 5 and the embeddings divided by the number of samples): independent
-// of src/ops and models, without their stable formulation, for logits of moderate size.
+// of src/ops and models, without their stable formulation, for logits of moderate size. The whole networks
+// are in scalar_networks.h.
 #pragma once
 
 #include <map>
@@ -42,10 +43,23 @@ struct UNetLayout {
   int64_t bottleneck = 1;
   bool bilinear = true;
 };
-Grid unet(const Grid& input, const Parameters& parameters, const UNetLayout& layout);
+/// Full resolution (the context) first, then the outputs of the decoder blocks at 1/2, 1/4, ... and of the
+/// bottleneck, each of ceil(h / 2^i) x ceil(w / 2^i).
+std::vector<Grid> unet(const Grid& input, const Parameters& parameters, const UNetLayout& layout);
 
-/// Appendix A from end to end.
-Grid layer_network(const Grid& features, const Grid& radiance, const Grid& valid,
-                   const Parameters& parameters, const UNetLayout& layout);
+/// A picture scaled up, pixel centres of the fine grid between those of the coarse one.
+Grid upsample(const Grid& in, int64_t factor, bool bilinear);
+
+/// A picture of another size: the last row and column repeated, or cropped.
+Grid resize(const Grid& in, int64_t h, int64_t w);
+
+/// Calls body(b, s, y, x) for all pixels of all S.
+template <class Body>
+void each(const Grid& g, Body body) {
+  for (int64_t b = 0; b < g.b; ++b)
+    for (int64_t s = 0; s < g.s; ++s)
+      for (int64_t y = 0; y < g.h; ++y)
+        for (int64_t x = 0; x < g.w; ++x) body(b, s, y, x);
+}
 
 }  // namespace ld::reference

@@ -1,0 +1,31 @@
+// The interactive variant of [MH20] section 6 and figure 9: a cascade of small kernels at falling resolutions
+// in place of a large one. Network name "optimized".
+#pragma once
+
+#include "models/kernel_generator.h"
+#include "models/layer_pyramid.h"
+#include "models/layered_network.h"
+
+namespace ld {
+
+/// The layers of full resolution are scaled down by 2 per level. Each level has a kernel generator, which
+/// reads the layer embeddings of its resolution and what the U-net's decoder knows there (the context at full
+/// resolution), and is filtered and composited on its own to the picture G_i. The result is
+///   sum_i lambda_i Upscale(G_i, 2^i)   (eq. 10),
+/// with lambda_i from further outputs of the full resolution's generator for layer 0. The paper leaves them
+/// free; here they are a softmax over the levels, because nothing else keeps a constant picture constant. A
+/// level that received nothing at a pixel is left out of its sum. Upscaling is as in the U-net.
+class OptimizedNetwork : public LayeredNetwork {
+ public:
+  explicit OptimizedNetwork(const NetworkConfig& config);
+
+ private:
+  torch::Tensor denoise(NetworkInput input) override;
+  torch::Tensor upscale(const torch::Tensor& coarse, int64_t level, int64_t height, int64_t width) const;
+  torch::Tensor received(const PyramidLevel& level) const;
+  torch::Tensor level_logits(const PyramidLevel& finest, const torch::Tensor& context) const;
+
+  std::vector<std::shared_ptr<KernelGenerator>> kernel_generators_;  // finest first
+};
+
+}  // namespace ld

@@ -1,0 +1,194 @@
+#include "tests/support/scalar_networks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace ld::reference {
+namespace {
+
+/// The sum over S of [B, S, C, H, W].
+Grid total(const Grid& g) {
+  Grid out(g.b, 1, g.c, g.h, g.w);
+  each(g, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    for (int64_t c = 0; c < g.c; ++c) out(b, 0, c, y, x) += g(b, s, c, y, x);
+  });
+  return out;
+}
+
+/// values over weight [B, 1, 1, H, W]; 0 where nothing arrived.
+Grid divide(const Grid& values, const Grid& weight) {
+  Grid out(values.b, 1, values.c, values.h, values.w);
+  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    if (weight(b, 0, 0, y, x) > 0)
+      for (int64_t c = 0; c < values.c; ++c)
+        out(b, 0, c, y, x) = values(b, 0, c, y, x) / weight(b, 0, 0, y, x);
+  });
+  return out;
+}
+
+/// 1 for pixels that have a valid sample, [B, 1, 1, H, W].
+Grid drawn(const Grid& valid) {
+  Grid out(valid.b, 1, 1, valid.h, valid.w);
+  each(valid, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    if (valid(b, s, 0, y, x) != 0) out(b, 0, 0, y, x) = 1;
+  });
+  return out;
+}
+
+/// Eq. 3 to 6.
+Grid filter_layers(const Grid& kernels, const Layers& layers, bool weighted) {
+  const Grid radiance = splat(kernels, layers.radiance), weight = splat(kernels, layers.weight);
+  return weighted ? divide(total(radiance), total(weight))
+                  : composite(radiance, weight, splat(kernels, layers.occupancy));
+}
+
+struct FirstHalf {
+  Grid embedding;
+  std::vector<Grid> context;
+};
+
+FirstHalf first_half(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+  const Grid embedding = fully_connected(samples.features, Grid(), parameters, "sample_reducer.", true);
+  return {embedding, unet(masked_mean(embedding, samples.valid), parameters, layout.unet)};
+}
+
+Layers make_layers(const Samples& samples, const FirstHalf& half, const Parameters& parameters) {
+  const Grid logits =
+      fully_connected(half.embedding, half.context[0], parameters, "sample_partitioner.", false);
+  return partition(logits, samples.valid, samples.radiance, half.embedding);
+}
+
+Grid layer(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+  const FirstHalf half = first_half(samples, parameters, layout);
+  const Layers layers = make_layers(samples, half, parameters);
+  const Grid kernels =
+      fully_connected(layers.embedding, half.context[0], parameters, "kernel_generator.", false);
+  return filter_layers(kernels, layers, layout.weighted);
+}
+
+Grid sample_splat(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+  const FirstHalf half = first_half(samples, parameters, layout);
+  Grid kernels = fully_connected(half.embedding, half.context[0], parameters, "kernel_generator.", false);
+  Grid values = samples.radiance, ones = samples.valid;
+  each(values, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    if (samples.valid(b, s, 0, y, x) != 0) return;
+    for (int64_t c = 0; c < values.c; ++c) values(b, s, c, y, x) = 0;
+    for (int64_t t = 0; t < kernels.c; ++t) kernels(b, s, t, y, x) = -1e9;  // not the largest of any pixel
+  });
+  return divide(total(splat(kernels, values)), total(splat(kernels, ones)));
+}
+
+Grid gather(const Grid& logits, const Grid& values, const Grid& given) {
+  const auto size = int64_t(std::lround(std::sqrt(double(logits.c))));
+  Grid out(values.b, 1, values.c, values.h, values.w);
+  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    double sum = 0;
+    for (int64_t t = 0; t < logits.c; ++t) {
+      const int64_t yy = y + t / size - size / 2, xx = x + t % size - size / 2;
+      if (yy < 0 || yy >= values.h || xx < 0 || xx >= values.w || given(b, 0, 0, yy, xx) == 0) continue;
+      const double weight = std::exp(logits(b, 0, t, y, x));
+      sum += weight;
+      for (int64_t c = 0; c < values.c; ++c) out(b, 0, c, y, x) += weight * values(b, 0, c, yy, xx);
+    }
+    for (int64_t c = 0; c < values.c && sum > 0; ++c) out(b, 0, c, y, x) /= sum;
+  });
+  return out;
+}
+
+Grid pixel(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout, bool gathers) {
+  const Grid embedding = fully_connected(statistics(samples.features, samples.valid), Grid(), parameters,
+                                         "sample_reducer.", true);
+  const Grid context = unet(embedding, parameters, layout.unet)[0];
+  const Grid kernels = fully_connected(embedding, context, parameters, "kernel_generator.", false);
+  const Grid radiance = masked_mean(samples.radiance, samples.valid), given = drawn(samples.valid);
+  return gathers ? gather(kernels, radiance, given) : divide(splat(kernels, radiance), splat(kernels, given));
+}
+
+/// Sums over blocks of 2^level x 2^level pixels.
+Grid block_sum(const Grid& g, int64_t level) {
+  const int64_t scale = int64_t(1) << level;
+  Grid out(g.b, g.s, g.c, (g.h + scale - 1) / scale, (g.w + scale - 1) / scale);
+  each(g, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    for (int64_t c = 0; c < g.c; ++c) out(b, s, c, y / scale, x / scale) += g(b, s, c, y, x);
+  });
+  return out;
+}
+
+/// 1 where a kernel reaches from a pixel that is not 0.
+Grid reached(const Grid& pixels, int64_t kernel_size) {
+  Grid out(pixels.b, 1, 1, pixels.h, pixels.w);
+  each(pixels, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    for (int64_t i = 0; i < kernel_size * kernel_size && pixels(b, 0, 0, y, x) > 0; ++i) {
+      const int64_t yy = y + i / kernel_size - kernel_size / 2, xx = x + i % kernel_size - kernel_size / 2;
+      if (yy >= 0 && yy < pixels.h && xx >= 0 && xx < pixels.w) out(b, 0, 0, yy, xx) = 1;
+    }
+  });
+  return out;
+}
+
+Grid optimized(const Samples& samples, Parameters parameters, const NetworkLayout& layout) {
+  const FirstHalf half = first_half(samples, parameters, layout);
+  const Layers layers = make_layers(samples, half, parameters);
+  const int64_t taps = layout.kernel_size * layout.kernel_size, h = samples.valid.h, w = samples.valid.w;
+
+  Grid sum(samples.valid.b, 1, 3, h, w), lambda_sum(samples.valid.b, 1, 1, h, w), lambda_logits;
+  for (int64_t level = 0; level < layout.levels; ++level) {
+    const Grid pixels = block_sum(drawn(samples.valid), level);
+    Layers coarse = {block_sum(layers.weight, level), block_sum(layers.occupancy, level),
+                     block_sum(layers.radiance, level), block_sum(layers.embedding, level)};
+    each(coarse.embedding, [&](int64_t b, int64_t l, int64_t y, int64_t x) {
+      for (int64_t c = 0; c < coarse.embedding.c; ++c)
+        coarse.embedding(b, l, c, y, x) /= std::max(pixels(b, 0, 0, y, x), 1.0);
+    });
+    const Grid outputs = fully_connected(coarse.embedding, half.context[size_t(level)], parameters,
+                                         "kernel_generator" + std::to_string(level) + ".", false);
+    Grid kernels(outputs.b, outputs.s, taps, outputs.h, outputs.w);
+    each(kernels, [&](int64_t b, int64_t l, int64_t y, int64_t x) {
+      for (int64_t t = 0; t < taps; ++t) kernels(b, l, t, y, x) = outputs(b, l, t, y, x);
+    });
+    if (level == 0) lambda_logits = outputs;  // those of layer 0 after the taps
+    const int64_t scale = int64_t(1) << level;
+    const Grid global =
+        resize(upsample(filter_layers(kernels, coarse, layout.weighted), scale, layout.unet.bilinear), h, w);
+    const Grid coverage =
+        resize(upsample(reached(pixels, layout.kernel_size), scale, layout.unet.bilinear), h, w);
+    // The mean of what arrived, times lambda: a level counts by how much of it arrived.
+    each(sum, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+      const double lambda = std::exp(lambda_logits(b, 0, taps + level, y, x));
+      for (int64_t c = 0; c < 3; ++c) sum(b, 0, c, y, x) += lambda * global(b, 0, c, y, x);
+      lambda_sum(b, 0, 0, y, x) += lambda * coverage(b, 0, 0, y, x);
+    });
+  }
+  return divide(sum, lambda_sum);
+}
+
+}  // namespace
+
+Grid statistics(const Grid& values, const Grid& valid) {
+  const Grid mean = masked_mean(values, valid);
+  Grid out(values.b, 1, 2 * values.c, values.h, values.w);
+  each(mean, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    double count = 0;
+    for (int64_t s = 0; s < values.s; ++s) count += valid(b, s, 0, y, x) != 0 ? 1 : 0;
+    for (int64_t c = 0; c < values.c; ++c) {
+      out(b, 0, c, y, x) = mean(b, 0, c, y, x);
+      for (int64_t s = 0; s < values.s; ++s)
+        if (valid(b, s, 0, y, x) != 0)
+          out(b, 0, values.c + c, y, x) += std::pow(values(b, s, c, y, x) - mean(b, 0, c, y, x), 2) / count;
+    }
+  });
+  return out;
+}
+
+Grid network(const std::string& name, const Samples& samples, const Parameters& parameters,
+             const NetworkLayout& layout) {
+  if (name == "layer") return layer(samples, parameters, layout);
+  if (name == "sample_splat") return sample_splat(samples, parameters, layout);
+  if (name == "pixel_gather") return pixel(samples, parameters, layout, true);
+  if (name == "pixel_splat") return pixel(samples, parameters, layout, false);
+  if (name == "optimized") return optimized(samples, parameters, layout);
+  throw std::invalid_argument("no scalar reference of the network " + name);
+}
+
+}  // namespace ld::reference

@@ -1,0 +1,27 @@
+// The networks of [MH20] from end to end as plain loops in double, built from the parts of
+// scalar_reference.h.
+#pragma once
+
+#include "tests/support/scalar_reference.h"
+
+namespace ld::reference {
+
+struct NetworkLayout {
+  UNetLayout unet;
+  bool weighted = false;  // compositing by eq. 6 instead of eq. 5
+  int64_t levels = 3;     // of the optimized network
+  int64_t kernel_size = 0;
+};
+
+struct Samples {
+  Grid features, radiance, valid;  // [B, S, ., H, W]
+};
+
+/// Mean and population variance over the valid samples, [B, 1, 2C, H, W], means first.
+Grid statistics(const Grid& values, const Grid& valid);
+
+/// Each network by its name in the registry; result [B, 1, 3, H, W].
+Grid network(const std::string& name, const Samples& samples, const Parameters& parameters,
+             const NetworkLayout& layout);
+
+}  // namespace ld::reference
