@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "core/text_table.h"
 #include "evaluation/blur_sweep.h"
 #include "metrics/metric.h"
 #include "metrics/relmse.h"
@@ -14,7 +14,7 @@
 namespace ld {
 namespace {
 
-using Row = std::vector<std::string>;
+using Row = TableRow;
 
 /// Fixed decimals, but what would fill the column with digits or vanish in zeros takes an exponent.
 std::string number(double value, int digits) {
@@ -32,29 +32,6 @@ Row headings(const Row& first) {
   for (const Metric& metric : metrics()) row.push_back(metric.title);
   row.push_back("s/frame");
   return row;
-}
-
-/// Columns padded to their widest cell, so that the table also reads as plain text.
-std::string markdown(std::vector<Row> rows, size_t text_columns) {
-  std::vector<size_t> widths(rows.front().size(), 3);
-  for (Row& row : rows)
-    for (size_t c = 0; c < row.size(); ++c) {
-      for (size_t at = 0; (at = row[c].find('|', at)) != std::string::npos; at += 2) row[c].insert(at, "\\");
-      widths[c] = std::max(widths[c], row[c].size());
-    }
-  Row rule;
-  for (size_t c = 0; c < widths.size(); ++c)
-    rule.push_back(std::string(widths[c] - 1, '-').insert(c < text_columns ? 0 : widths[c] - 1, ":"));
-  rows.insert(rows.begin() + 1, rule);
-
-  std::string text;
-  for (const Row& row : rows) {
-    for (size_t c = 0; c < row.size(); ++c)
-      text += c < text_columns ? fmt::format("| {:<{}} ", row[c], widths[c])
-                               : fmt::format("| {:>{}} ", row[c], widths[c]);
-    text += "|\n";
-  }
-  return text;
 }
 
 /// "2.83 px for relMSE, ..."; says where the sweep ended, since the best may lie beyond.
@@ -107,7 +84,7 @@ std::string markdown_means(const Evaluation& evaluation) {
     row.push_back(seconds(method.mean_seconds()));
     rows.push_back(row);
   }
-  std::string text = markdown(rows, 1) + "\n";
+  std::string text = markdown_table(rows, 1) + "\n";
   for (const Metric& metric : metrics())
     text += fmt::format("- {}: {} is better; {}\n", metric.title, metric.lower_is_better ? "lower" : "higher",
                         metric.domain);
@@ -135,7 +112,7 @@ std::string markdown_frames(const Evaluation& evaluation) {
       row.push_back(seconds(scores.seconds));
       rows.push_back(row);
     }
-  return markdown(rows, 2);
+  return markdown_table(rows, 2);
 }
 
 std::string to_csv(const Evaluation& evaluation) {
