@@ -1,0 +1,116 @@
+// Times operators and networks against their LibTorch compositions: `ld_bench ops`, `ld_bench network`.
+
+#include <filesystem>
+#include <iostream>
+
+#include "apps/app.h"
+#include "benchmark/network_sweeps.h"
+#include "benchmark/report.h"
+#include "core/file_io.h"
+#include "core/log.h"
+#include "ops/runtime.h"
+
+namespace {
+
+struct Options {
+  ld::BenchSizes sizes;
+  ld::MeasureOptions measure;
+  std::vector<std::string> only;
+  std::vector<int64_t> spp = {1, 2, 4, 8, 16, 32, 64};
+  std::string out;
+};
+
+/// Pictures of 32x32 with 2 samples and one run each: whether everything works, not how fast.
+void make_quick(Options& options) {
+  options.sizes.inference = options.sizes.training = 32;
+  options.sizes.spp = 2;
+  options.measure.repeats = 1;
+  options.spp = {1, 8};
+}
+
+/// Text to standard output and, with --out, a file.
+void publish(const Options& options, const std::string& file, const std::string& table) {
+  std::cout << table << "\n" << std::flush;
+  if (!options.out.empty()) ld::write_file_atomically(std::filesystem::path(options.out) / file, table);
+}
+
+template <class Plot>
+void draw(const Options& options, const std::string& file, const Plot& plot) {
+  if (!options.out.empty())
+    ld::write_file_atomically(std::filesystem::path(options.out) / file, ld::to_svg(plot));
+}
+
+nlohmann::ordered_json run_rows(const Options& options, const std::vector<ld::RowSpec>& specs,
+                                const std::string& name, int threads) {
+  const double sgemm = ld::sgemm_gflops(options.sizes.quick ? 256 : 2048, options.measure.repeats);
+  spdlog::info("sgemm: {:.1f} GFLOP/s on {} threads", sgemm, threads);
+  const auto rows = ld::run_rows(specs, options.only, options.measure, sgemm);
+  publish(options, name + ".md", ld::markdown_rows(rows));
+  nlohmann::ordered_json json = {{"version", LD_VERSION},
+                                 {"threads", threads},
+                                 {"quick", options.sizes.quick},
+                                 {"inference_size", options.sizes.inference},
+                                 {"training_size", options.sizes.training},
+                                 {"spp", options.sizes.spp},
+                                 {"sgemm_gflops", sgemm},
+                                 {"rows", nlohmann::ordered_json::array()}};
+  for (const ld::BenchRow& row : rows) json["rows"].push_back(ld::to_json(row));
+  return json;
+}
+
+void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
+  const auto costs = ld::cost_by_samples(options.sizes, options.spp);
+  publish(options, "cost.md", ld::markdown(costs, options.spp));
+  draw(options, "cost.svg", ld::figure(costs, options.spp));
+  json["cost"] = ld::to_json(costs, options.spp);
+
+  const auto stages = ld::time_by_stage(options.sizes, options.measure.repeats);
+  publish(options, "stages.md", ld::markdown(stages));
+  draw(options, "stages.svg", ld::figure(stages));
+  json["stages"] = ld::to_json(stages);
+
+  const auto times = ld::time_by_samples(options.sizes, options.spp, options.measure.repeats);
+  publish(options, "samples.md", ld::markdown(times));
+  draw(options, "samples.svg", ld::figure(times));
+  json["samples"] = ld::to_json(times);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  ld::Application app("ld_bench", "Times operators and networks against their LibTorch compositions.");
+  CLI::App* ops = app.options().add_subcommand("ops", "each operator, forward and with its backward pass");
+  CLI::App* network = app.options().add_subcommand(
+      "network", "whole networks; then cost, time by stage and time by number of samples");
+  for (CLI::App* command : {ops, network}) {
+    command->fallthrough();  // --json, --threads after the subcommand
+    command->add_option("--out", options.out, "folder for the tables (.md) and figures (.svg)");
+    command->add_option("--only", options.only,
+                        "only this row; may be repeated; leaves out the rest of it all");
+    command->add_option("--configs", options.sizes.configs, "folder of the networks' YAML files")
+        ->capture_default_str();
+    command->add_option("--repeats", options.measure.repeats, "timed runs of each row")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command->add_flag("--quick", options.sizes.quick, "small networks, tiny pictures, one run: a test");
+  }
+  network->add_option("--spp", options.spp, "numbers of samples, ascending, for cost and time by samples")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.options().require_subcommand(1);
+
+  return app.run(argc, argv, [&] {
+    ld::configure_runtime(app.threads());
+    if (options.sizes.quick) make_quick(options);
+    nlohmann::ordered_json json;
+    if (ops->parsed()) {
+      json = run_rows(options, ld::operator_rows(options.sizes), "ops", app.threads());
+    } else {
+      json = run_rows(options, ld::network_rows(options.sizes), "network", app.threads());
+      if (options.only.empty()) run_sweeps(options, json);
+    }
+    app.write_json(json);
+  });
+}

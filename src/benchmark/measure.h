@@ -1,0 +1,43 @@
+// Times a piece of work against its baseline on a machine that does other things too.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace ld {
+
+/// What is timed: the operators of the library, or, under ComposedOperators, their LibTorch composition.
+struct Workload {
+  std::function<void()> run;
+  double multiply_adds = 0;  // of one run
+};
+
+struct MeasureOptions {
+  int repeats = 7;               // of ours, at least; up to three times as many where one is fast
+  double baseline_seconds = 30;  // about what the baseline may take in all; it runs at least once
+};
+
+struct Measurement {
+  double ms = 0, baseline_ms = 0;  // medians
+  int repeats = 0, baseline_repeats = 0;
+  double peak_mb = 0, baseline_peak_mb = 0;  // benchmark/peak_memory.h
+};
+
+/// Runs `work` and its composition in turns, so that both see the same machine, after a warm-up of each.
+/// Peak memory is that of one run more of ours, and of the baseline's warm-up.
+Measurement measure_against_composition(const std::function<void()>& work, const MeasureOptions& options);
+
+/// The time of one run, in ms.
+double time_ms(const std::function<void()>& work);
+
+/// The middle value; the mean of the two middle ones of an even number. At least one value.
+double median(std::vector<double> values);
+
+/// The median of `repeats` runs after a warm-up, in ms.
+double median_ms(const std::function<void()>& work, int repeats);
+
+/// GFLOP/s of a float32 matrix product of side `size`, two operations a multiply-add: the median of
+/// `repeats`.
+double sgemm_gflops(int64_t size, int repeats);
+
+}  // namespace ld

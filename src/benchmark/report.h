@@ -1,0 +1,32 @@
+// Rows of ld_bench: timed, as JSON, as a table.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "benchmark/measure.h"
+#include "benchmark/workloads.h"
+
+namespace ld {
+
+struct BenchRow {
+  std::string name;
+  Measurement measured;
+  double multiply_adds = 0;
+  double sgemm_share = 0;  // 2 * multiply_adds / time, of what sgemm reached in the same run
+};
+
+/// Times the rows one after the other, those named in `only` (all where that is empty). Throws UsageError,
+/// before anything runs, when `only` names a row that is not there.
+std::vector<BenchRow> run_rows(const std::vector<RowSpec>& specs, const std::vector<std::string>& only,
+                               const MeasureOptions& options, double sgemm_gflops);
+
+/// {"name", "ms", "baseline_ms", "speedup", "sgemm_share", "peak_mb", "baseline_peak_mb", "repeats",
+///  "baseline_repeats", "multiply_adds"}
+nlohmann::ordered_json to_json(const BenchRow& row);
+
+std::string markdown_rows(const std::vector<BenchRow>& rows);
+
+}  // namespace ld

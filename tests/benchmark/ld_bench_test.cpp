@@ -1,0 +1,78 @@
+// ld_bench from the command line, small: that it runs and says all that it must, not how fast anything is.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <set>
+
+#include "core/json_text.h"
+#include "tests/benchmark/xml_check.h"
+#include "tests/support/run_program.h"
+
+namespace ld {
+namespace {
+
+const std::string kConfigs = std::string(LD_SOURCE_DIR) + "/configs";
+
+nlohmann::json run_bench(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+  const std::string json = (folder / "result.json").string();
+  for (const std::string& more : {std::string("--quick"), std::string("--configs"), kConfigs,
+                                  std::string("--json"), json, std::string("--out"), folder.path().string()})
+    arguments.push_back(more);
+  const ProgramResult result = run_program("ld_bench", arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  return parse_json(read_file(json), json);
+}
+
+std::set<std::string> check_rows(const nlohmann::json& rows) {
+  std::set<std::string> names;
+  for (const auto& row : rows) {
+    names.insert(row.at("name"));
+    for (const char* key : {"ms", "baseline_ms", "speedup", "sgemm_share", "multiply_adds"})
+      EXPECT_GT(row.at(key).get<double>(), 0) << row;
+    EXPECT_GE(row.at("peak_mb").get<double>(), 0) << row;  // 0 where the freed memory of before was enough
+    EXPECT_GE(row.at("repeats").get<int>(), 1) << row;
+    EXPECT_GE(row.at("baseline_repeats").get<int>(), 1) << row;
+  }
+  return names;
+}
+
+TEST(LdBench, OpsGivesEveryRow) {
+  const TemporaryFolder folder;
+  const auto json = run_bench(folder, {"ops"});
+  const std::set<std::string> expected = {"reducer_forward",  "reducer_train",   "partition_forward",
+                                          "partition_train",  "splat17_forward", "splat17_train",
+                                          "gather17_forward", "gather17_train"};
+  EXPECT_EQ(check_rows(json.at("rows")), expected);
+  EXPECT_GT(json.at("sgemm_gflops").get<double>(), 0);
+  EXPECT_NE(read_file(folder / "ops.md").find("| splat17_train"), std::string::npos);
+}
+
+TEST(LdBench, NetworkGivesEveryRowTableAndFigure) {
+  const TemporaryFolder folder;
+  const auto json = run_bench(folder, {"network"});
+  const std::set<std::string> expected = {"layer_infer_256",        "layer_train_128",
+                                          "optimized_infer_256",    "optimized_train_128",
+                                          "pixel_gather_infer_256", "sample_splat_infer_256"};
+  EXPECT_EQ(check_rows(json.at("rows")), expected);
+  EXPECT_EQ(json.at("samples").size(), 2);
+  EXPECT_EQ(json.at("stages").size(), 8);
+  EXPECT_EQ(json.at("cost").size(), 10);  // five networks, two sample counts
+  for (const char* name : {"cost", "stages", "samples"}) {
+    EXPECT_EQ(xml_fault(read_file(folder / (std::string(name) + ".svg"))), "") << name;
+    EXPECT_NE(read_file(folder / (std::string(name) + ".md")).find("layer"), std::string::npos) << name;
+  }
+}
+
+TEST(LdBench, OnlyPicksRowsAndNamesAreChecked) {
+  const TemporaryFolder folder;
+  const auto json = run_bench(folder, {"ops", "--only", "gather17_forward"});
+  EXPECT_EQ(check_rows(json.at("rows")), std::set<std::string>{"gather17_forward"});
+  expect_failure(
+      run_program("ld_bench", {"ops", "--quick", "--configs", kConfigs, "--only", "gather_forward"}), 2,
+      {"no such row", "gather17_forward"});
+  expect_failure(run_program("ld_bench", {}), 2, {"subcommand"});
+}
+
+}  // namespace
+}  // namespace ld

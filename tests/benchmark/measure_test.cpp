@@ -1,0 +1,56 @@
+#include "benchmark/measure.h"
+
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "benchmark/peak_memory.h"
+#include "ops/composition.h"
+
+namespace ld {
+namespace {
+
+TEST(Measure, Medians) {
+  EXPECT_EQ(median({3}), 3);
+  EXPECT_EQ(median({5, 1, 2}), 2);
+  EXPECT_EQ(median({4, 1, 9, 2}), 3);
+}
+
+TEST(Measure, TheBaselineRunsAsACompositionInTurnsWithOurs) {
+  int ours = 0, composed = 0;
+  std::string order;
+  const auto work = [&] {
+    const bool baseline = runs_composed(torch::zeros({1}));
+    ++(baseline ? composed : ours);
+    order += baseline ? 'b' : 'o';
+    std::this_thread::sleep_for(std::chrono::milliseconds(baseline ? 40 : 2));
+  };
+  MeasureOptions options;
+  options.repeats = 7;
+  const Measurement m = measure_against_composition(work, options);
+  EXPECT_GE(m.repeats, 7);
+  EXPECT_EQ(ours, m.repeats + 2);               // a warm-up and the run whose memory is measured
+  EXPECT_EQ(composed, m.baseline_repeats + 1);  // a warm-up
+  EXPECT_NE(order.find("obobob"), std::string::npos) << order;
+  EXPECT_GE(m.ms, 2);
+  EXPECT_GE(m.baseline_ms, 40);
+
+  options.baseline_seconds = 0.06;  // for one run
+  EXPECT_EQ(measure_against_composition(work, options).baseline_repeats, 1);
+}
+
+TEST(Measure, PeakMemorySeesWhatWasFreedAgain) {
+  const double peak = peak_memory_mb([] { torch::ones({24'000'000}); });
+  EXPECT_NEAR(peak, 96, 8);
+  EXPECT_LT(peak_memory_mb([] {}), 8);
+}
+
+TEST(Measure, SgemmSpeedIsPositive) {
+  EXPECT_GT(sgemm_gflops(64, 3), 0);
+}
+
+}  // namespace
+}  // namespace ld
