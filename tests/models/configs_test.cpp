@@ -1,0 +1,71 @@
+// Every file of configs/ is a network that can be made and a training that can start.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "losses/loss.h"
+#include "models/network.h"
+#include "training/config.h"
+
+namespace ld {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::map<std::string, TrainConfig> all_configs() {
+  std::map<std::string, TrainConfig> configs;
+  for (const auto& file : fs::directory_iterator(fs::path(LD_SOURCE_DIR) / "configs"))
+    if (file.path().extension() == ".yaml")
+      configs[file.path().stem().string()] = config_from_tree<TrainConfig>(read_config(file.path()));
+  return configs;
+}
+
+int64_t parameter_count(const NetworkConfig& config) {
+  int64_t count = 0;
+  for (const auto& parameter : make_network(config)->parameters()) count += parameter.numel();
+  return count;
+}
+
+TEST(Configs, EveryFileIsATraining) {
+  const auto configs = all_configs();
+  EXPECT_GE(configs.size(), 13U);
+  for (const auto& [name, config] : configs) {
+    SCOPED_TRACE(name);
+    EXPECT_NO_THROW(make_network(config.network));
+    EXPECT_NO_THROW(make_loss(config.loss));
+    const NetworkConfig reread =
+        config_from_tree<NetworkConfig>(parse_config(config_to_yaml(config.network), name));
+    EXPECT_EQ(config_to_yaml(reread), config_to_yaml(config.network));
+  }
+}
+
+TEST(Configs, EveryNetworkHasAPublishedAndASmallOne) {
+  const auto configs = all_configs();
+  for (const std::string& name : network_names()) {
+    ASSERT_EQ(configs.count(name), 1U) << name;
+    EXPECT_EQ(configs.at(name).network.name, name);
+    const std::string quick = name == "layer" ? "quick" : "quick_" + name;
+    ASSERT_EQ(configs.count(quick), 1U) << quick;
+    EXPECT_EQ(configs.at(quick).network.name, name);
+    EXPECT_LT(30 * parameter_count(configs.at(quick).network), parameter_count(configs.at(name).network));
+  }
+  EXPECT_EQ(configs.at("layer_weighted").network.compositing, "weighted");
+  EXPECT_EQ(configs.at("quick_layer_weighted").network.compositing, "weighted");
+}
+
+// The networks of a comparison are trained alike: same features, loss, data, optimiser.
+TEST(Configs, NetworksDifferInTheirNetworkAlone) {
+  const auto configs = all_configs();
+  for (const auto& [base, prefix] : std::map<std::string, std::string>{{"layer", ""}, {"quick", "quick_"}})
+    for (const char* name : {"layer_weighted", "sample_splat", "pixel_gather", "pixel_splat", "optimized"}) {
+      TrainConfig config = configs.at(prefix + name);
+      EXPECT_EQ(config.network.features, configs.at(base).network.features);
+      EXPECT_EQ(config.network.sample_reducer, configs.at(base).network.sample_reducer);
+      config.network = configs.at(base).network;
+      EXPECT_EQ(config_to_yaml(config), config_to_yaml(configs.at(base))) << prefix << name;
+    }
+}
+
+}  // namespace
+}  // namespace ld
