@@ -29,7 +29,7 @@ Tensor comparable(const Tensor& largest) {
   return largest.masked_fill(largest.eq(-kInfinity), 0);
 }
 
-/// The planes of a picture with a margin, of which each tap is a view.
+/// Planes [..., H, W] with a margin, of which every shift is a view.
 struct Shifted {
   Tensor padded;
   int64_t radius, height, width;
@@ -38,7 +38,7 @@ struct Shifted {
         radius(kernel / 2),
         height(planes.size(-2)),
         width(planes.size(-1)) {}
-  /// [..., H, W]: at pixel (y, x) what `planes` has at (y + dy, x + dx).
+  /// At pixel (y, x) what the planes have at (y + dy, x + dx).
   Tensor at_offset(int64_t dy, int64_t dx) const {
     return padded.narrow(-2, radius + dy, height).narrow(-1, radius + dx, width);
   }
@@ -95,23 +95,25 @@ Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& val
   const Tensor largest = std::get<0>(z.flatten(1, 2).max(1));  // m_p [B, H, W]
   const Tensor e = (z - largest.unsqueeze(1).unsqueeze(2)).clamp_min(lowest_logit(z.scalar_type())) +
                    log_n.unsqueeze(2);
-  const Shifted exponents(e, kernel, -kInfinity), sources(values, kernel, 0);
+  // Taken apart once: a view of one plane would have a gradient the size of all of them.
+  std::vector<Tensor> exponents = e.unbind(2);
+  for (const Tap& tap : taps(kernel)) {
+    Tensor& plane = exponents[size_t(tap.index)];
+    plane = Shifted(plane, kernel, -kInfinity).at_offset(-tap.dy, -tap.dx);
+  }
+  const Shifted sources(values, kernel, 0);
 
   // The largest exponent that arrives cancels between numerator and denominator: no gradient flows through it.
   Tensor top;
   {
     const at::NoGradGuard constant;
-    for (const Tap& tap : taps(kernel)) {
-      const Tensor arriving = exponents.at_offset(-tap.dy, -tap.dx).select(2, tap.index);
-      top = top.defined() ? at::maximum(top, arriving) : arriving;
-    }
+    for (const Tensor& arriving : exponents) top = top.defined() ? at::maximum(top, arriving) : arriving;
     if (joint) top = top.amax(1, /*keepdim=*/true);
     top = comparable(top);
   }
   Tensor numerator, denominator;
   for (const Tap& tap : taps(kernel)) {
-    const Tensor weight =
-        (exponents.at_offset(-tap.dy, -tap.dx).select(2, tap.index) - top).exp().unsqueeze(2);
+    const Tensor weight = (exponents[size_t(tap.index)] - top).exp().unsqueeze(2);
     const Tensor product = weight * sources.at_offset(-tap.dy, -tap.dx);
     numerator = numerator.defined() ? numerator + product : product;
     denominator = denominator.defined() ? denominator + weight : weight;
@@ -125,13 +127,13 @@ Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& val
 
 Tensor kernel_gather(const Tensor& logits, const Tensor& log_n, const Tensor& values) {
   const int64_t kernel = kernel_size(logits.size(1));
-  const Tensor z = bounded(logits);
+  const std::vector<Tensor> z = bounded(logits).unbind(1);
   const Shifted given(log_n, kernel, -kInfinity), sources(values, kernel, 0);
   Tensor top;
   {
     const at::NoGradGuard constant;
     for (const Tap& tap : taps(kernel)) {
-      const Tensor arriving = z.select(1, tap.index) + given.at_offset(tap.dy, tap.dx);
+      const Tensor arriving = z[size_t(tap.index)] + given.at_offset(tap.dy, tap.dx);
       top = top.defined() ? at::maximum(top, arriving) : arriving;
     }
     top = comparable(top);
@@ -139,7 +141,7 @@ Tensor kernel_gather(const Tensor& logits, const Tensor& log_n, const Tensor& va
   Tensor numerator, denominator;
   for (const Tap& tap : taps(kernel)) {
     const Tensor weight =
-        (z.select(1, tap.index) - top + given.at_offset(tap.dy, tap.dx)).exp().unsqueeze(1);
+        (z[size_t(tap.index)] - top + given.at_offset(tap.dy, tap.dx)).exp().unsqueeze(1);
     const Tensor product = weight * sources.at_offset(tap.dy, tap.dx);
     numerator = numerator.defined() ? numerator + product : product;
     denominator = denominator.defined() ? denominator + weight : weight;

@@ -13,12 +13,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Above this the 31 * 31 taps of 1024 layers of float32 values could overflow a sum (10^38 / 10^6); a scene
 // that has no such value is not touched, so that scaling it by a power of two changes no bit.
 constexpr double kLargestValue = 1e32;
+// A gradient times a value must stay below what the sum over the channels and taps of a kernel can hold.
+constexpr double kLargestProduct = 1e33;
+constexpr double kHarmlessValue = 1e6;  // beyond half's range by far; gradients have 27 orders left
 constexpr double kScale = 1.0 / (1 << 20);
 
 }  // namespace
 
-SplatSources finite_sources(const Tensor& log_n, const Tensor& values) {
-  SplatSources sources{log_n, values, 1};
+FiniteSources finite_sources(const Tensor& log_n, const Tensor& values) {
+  FiniteSources sources{log_n, values, 1};
   if (values.numel() == 0) return sources;
   const auto [low, high] = at::aminmax(values.detach());  // NaN passes through
   double largest = std::max(-low.item<double>(), high.item<double>());
@@ -34,6 +37,20 @@ SplatSources finite_sources(const Tensor& log_n, const Tensor& values) {
     sources.values = sources.values * kScale;
   }
   return sources;
+}
+
+Tensor unscaled(const Tensor& filtered, const FiniteSources& sources) {
+  return sources.scale == 1 ? filtered : filtered / sources.scale;
+}
+
+Tensor bounded_gradient(const Tensor& gradient, const Tensor& values) {
+  const Tensor contiguous = gradient.contiguous();
+  if (values.numel() == 0) return contiguous;
+  const auto [low, high] = at::aminmax(values.detach());
+  const double largest = std::max(-low.item<double>(), high.item<double>());
+  if (largest < kHarmlessValue) return contiguous;
+  const double limit = kLargestProduct / largest;
+  return contiguous.clamp(-limit, limit);
 }
 
 }  // namespace ld

@@ -16,8 +16,8 @@ Tensor kernel_gather(const Tensor& logits, const Tensor& log_n, const Tensor& va
   const int64_t batch = logits.size(0), height = logits.size(2), width = logits.size(3);
   expect_tensor("kernel_gather: log_n", "[B, H, W]", log_n, {batch, height, width}, type);
   expect_tensor("kernel_gather: values", "[B, C, H, W]", values, {batch, kAnySize, height, width}, type);
-  const SplatSources sources = finite_sources(log_n.detach(), values);
-  return composed::kernel_gather(logits, sources.log_n, sources.values) / sources.scale;
+  const FiniteSources sources = finite_sources(log_n.detach(), values);
+  return unscaled(composed::kernel_gather(logits, sources.log_n, sources.values), sources);
 }
 
 }  // namespace ld

@@ -1,15 +1,9 @@
 #include "ops/kernel_splat.h"
 
-#include <ATen/Parallel.h>
-
-#include <cmath>
-
-#include "core/error.h"
 #include "ops/check.h"
 #include "ops/composition.h"
 #include "ops/finite_sources.h"
-#include "ops/pictures.h"
-#include "ops/splat_loops.h"
+#include "ops/splat_driver.h"
 
 namespace ld {
 namespace {
@@ -18,88 +12,82 @@ using torch::Tensor;
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
-constexpr int64_t kStretch = 256;  // pixels: 17x17 weights of a stretch are 300 kB, within the L2 cache
-
-SplatShape splat_shape(const Tensor& logits, const Tensor& values) {
-  const auto kernel = std::lround(std::sqrt(double(logits.size(2))));
-  return {logits.size(1), kernel, values.size(2), values.size(3), values.size(4)};
+FilterShape filter_shape(const Tensor& logits, const Tensor& values) {
+  return {logits.size(1), expect_odd_kernel("kernel_splat", logits.size(2)), values.size(2), values.size(3),
+          values.size(4)};
 }
 
-/// Calls body(picture, layer, stretch) for all stretches of all rows, on all threads.
-template <class Body>
-void for_each_stretch(int64_t batch, int64_t layers, const SplatShape& shape, const Body& body) {
-  const int64_t stretches = (shape.width + kStretch - 1) / kStretch;
-  at::parallel_for(0, batch * layers * shape.height * stretches, 1, [&](int64_t first, int64_t last) {
-    for (int64_t i = first; i < last; ++i) {
-      const int64_t begin = i % stretches * kStretch, row = i / stretches;
-      const Stretch stretch{row % shape.height, begin, std::min(begin + kStretch, shape.width)};
-      body(row / shape.height / layers, row / shape.height % layers, stretch);
-    }
-  });
+/// Writes a stretch of logits [B, N, K*K, H, W] to the rows of a tile.
+void stage_logits(const FilterShape& shape, const float* picture, const Stretch& at, StagedRows& rows) {
+  stage({picture + at.y * shape.width + at.x, shape.layers * shape.taps(), shape.plane()}, at.count, rows.row(0),
+        rows.pitch());
 }
 
 class KernelSplat : public torch::autograd::Function<KernelSplat> {
  public:
-  static Tensor forward(AutogradContext* context, const Tensor& logits_in, const Tensor& log_n_in,
-                        const Tensor& values_in, bool keep) {
-    const Tensor logits = logits_in.contiguous(), log_n = log_n_in.contiguous(),
-                 values = values_in.contiguous();
-    const SplatShape shape = splat_shape(logits, values);
-    const int64_t batch = logits.size(0);
-    const auto type = logits.scalar_type();
-    const Tensor maximum = at::empty({batch, shape.height, shape.width}, logits.options());
-    const Tensor argmax =
-        at::empty({batch, shape.height, shape.width}, logits.options().dtype(torch::kInt32));
-    const Tensor probabilities = keep ? at::empty_like(logits) : Tensor();
-    const Tensor out = at::empty_like(values);
-    AT_DISPATCH_FLOATING_TYPES(type, "kernel_splat", [&] {
-      const Pictures<scalar_t> z(logits), m(maximum), n(log_n), v(values), p(probabilities), o(out);
-      const Pictures<int32_t> a(argmax);
-      for_each_stretch(batch, 1, shape, [&](int64_t b, int64_t, const Stretch& at) {
-        splat_maximum(shape, z[b], m[b], a[b], at);
-      });
-      for_each_stretch(batch, shape.layers, shape, [&](int64_t b, int64_t layer, const Stretch& at) {
-        at::AutoDispatchBelowADInplaceOrView
-            plain;  // worker threads do not inherit the caller's autograd state
-        Tensor weights = at::empty({shape.taps(), at.count()}, type), row = at::empty({at.count()}, type);
-        auto* w = weights.data_ptr<scalar_t>();
-        auto* r = row.data_ptr<scalar_t>();
-        splat_exponents(shape, layer, z[b], m[b], n[b], w, r, at);
-        at::exp_(weights);  // LibTorch's is vectorised for the machine it runs on
-        splat_values(shape, layer, w, v[b], p[b], o[b], r, at);
-      });
-    });
-    if (keep) context->save_for_backward({probabilities, values, out, argmax});
-    return out;
+  static Tensor forward(AutogradContext* context, const Tensor& logits, const Tensor& log_n,
+                        const Tensor& values, bool joint, bool keep) {
+    const FilterShape shape = filter_shape(logits, values);
+    const int64_t batch = logits.size(0), layers = joint ? 1 : shape.layers;
+    const auto empty = [&](int64_t planes) {
+      return at::empty({batch, planes, shape.height, shape.width}, values.options());
+    };
+    const Tensor out = empty(layers * shape.channels);
+    const Tensor largest = keep ? empty(layers) : Tensor(), inverse = keep ? empty(layers) : Tensor();
+    const Pictures<float> z(logits), o(out), m(largest), i(inverse);
+    const auto make_stage = [&] {
+      return [&](int64_t b, const Stretch& at, SplatSourcesRow& sources) {
+        stage_logits(shape, z[b], at, sources.logits);
+      };
+    };
+    run_splat(shape, joint, batch, {Pictures<float>(log_n), Pictures<float>(values)}, make_stage,
+              [&](int64_t b) { return SplatResult{o[b], m[b], i[b]}; });
+    if (keep) context->save_for_backward({logits, log_n, values, out, largest, inverse});
+    context->saved_data["joint"] = joint;
+    return joint ? out : out.view(values.sizes());
   }
 
   static variable_list backward(AutogradContext* context, variable_list gradients) {
     const variable_list saved = context->get_saved_variables();
-    const Tensor &probabilities = saved[0], &values = saved[1], &out = saved[2], &argmax = saved[3];
-    const Tensor gradient = gradients[0].contiguous();
-    const SplatShape shape = splat_shape(probabilities, values);
-    const Tensor logits_gradient = at::empty_like(probabilities), values_gradient = at::empty_like(values);
-    const Tensor log_n_gradient =
-        at::empty({values.size(0), shape.layers, shape.height, shape.width}, values.options());
-    AT_DISPATCH_FLOATING_TYPES(values.scalar_type(), "kernel_splat_backward", [&] {
-      const Pictures<scalar_t> p(probabilities), v(values), o(out), g(gradient), gz(logits_gradient),
-          gn(log_n_gradient), gv(values_gradient);
-      const Pictures<int32_t> a(argmax);
-      at::parallel_for(0, values.size(0) * shape.height, 1, [&](int64_t first, int64_t last) {
-        std::vector<scalar_t> scratch(static_cast<size_t>(2 * shape.width));
-        for (int64_t i = first; i < last; ++i) {
-          const int64_t b = i / shape.height;
-          splat_backward(shape, p[b], v[b], o[b], g[b], a[b], gz[b], gn[b], gv[b], scratch.data(),
-                         i % shape.height);
-        }
+    const Tensor &logits = saved[0], &log_n = saved[1], &values = saved[2], &out = saved[3], &largest = saved[4],
+                 &inverse = saved[5];
+    const bool joint = context->saved_data["joint"].toBool();
+    const Tensor gradient = bounded_gradient(gradients[0], values);
+    const FilterShape shape = filter_shape(logits, values);
+    const int64_t batch = logits.size(0), layers = joint ? 1 : shape.layers;
+    const Tensor logits_gradient = at::empty_like(logits), log_n_gradient = at::empty_like(log_n),
+                 values_gradient = at::empty_like(values);
+    const Pictures<float> z(logits), g(gradient), o(out), m(largest), i(inverse), gz(logits_gradient),
+        gn(log_n_gradient), gv(values_gradient);
+    const SplatInput input{Pictures<float>(log_n), Pictures<float>(values)};
+    const int64_t pixels = stretch_pixels(2 * shape.layers * shape.taps(), shape.width);
+    for (int64_t b = 0; b < batch; ++b) {
+      SplatDestinations to(shape, joint);
+      at::parallel_for(0, shape.height, 1, [&](int64_t begin, int64_t end) {
+        for (int64_t y = begin; y < end; ++y) to.fill_row({o[b], m[b], i[b]}, g[b], shape.width, layers, y);
       });
-    });
-    return {logits_gradient, log_n_gradient, values_gradient, Tensor()};
+      at::parallel_for(0, shape.height, 1, [&](int64_t begin, int64_t end) {
+        SplatSourcesRow sources(shape, pixels);
+        SplatGradientRow row(shape, pixels);
+        for_each_stretch(shape, pixels, begin, end, [&](const Stretch& at) {
+          stage_logits(shape, z[b], at, sources.logits);
+          stage_values(shape, input, b, at, sources);
+          splat_stretch_backward(shape, sources, to, at, row);
+          const int64_t offset = at.y * shape.width + at.x;
+          const auto write = [&](const StagedRows& from, float* planes) {
+            unstage(from.row(0), from.pitch(), from.rows(), at.count, planes + offset, shape.plane());
+          };
+          write(row.logits, gz[b]);
+          write(row.log_n, gn[b]);
+          write(row.values, gv[b]);
+        });
+      });
+    }
+    return {logits_gradient, log_n_gradient, values_gradient, Tensor(), Tensor()};
   }
 };
 
-/// The checks that both entries share.
-void check(const char* name, const Tensor& logits, const Tensor& log_n, const Tensor& values) {
+Tensor splat(const char* name, const Tensor& logits, const Tensor& log_n, const Tensor& values, bool joint) {
   const std::string op = name;
   const auto type = floating_type((op + ": logits").c_str(), logits);
   expect_tensor((op + ": logits").c_str(), "[B, N, K*K, H, W]", logits,
@@ -110,24 +98,24 @@ void check(const char* name, const Tensor& logits, const Tensor& log_n, const Te
   expect_tensor((op + ": log_n").c_str(), "[B, N, H, W]", log_n, {batch, layers, height, width}, type);
   expect_tensor((op + ": values").c_str(), "[B, N, C, H, W]", values,
                 {batch, layers, kAnySize, height, width}, type);
+  const FiniteSources sources = finite_sources(log_n, values);
+  if (runs_composed(logits))
+    return unscaled(composed::kernel_splat(logits, sources.log_n, sources.values, joint), sources);
+  const bool differentiable = at::GradMode::is_enabled() &&
+                              (logits.requires_grad() || log_n.requires_grad() || values.requires_grad());
+  return unscaled(KernelSplat::apply(logits.contiguous(), sources.log_n.contiguous(),
+                                     sources.values.contiguous(), joint, differentiable),
+                  sources);
 }
 
 }  // namespace
 
 Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& values) {
-  check("kernel_splat", logits, log_n, values);
-  const SplatSources sources = finite_sources(log_n, values);
-  if (runs_composed(logits))
-    return composed::kernel_splat(logits, sources.log_n, sources.values, /*joint=*/false) / sources.scale;
-  const bool differentiable = at::GradMode::is_enabled() &&
-                              (logits.requires_grad() || log_n.requires_grad() || values.requires_grad());
-  return KernelSplat::apply(logits, sources.log_n, sources.values, differentiable) / sources.scale;
+  return splat("kernel_splat", logits, log_n, values, /*joint=*/false);
 }
 
 Tensor kernel_splat_joint(const Tensor& logits, const Tensor& log_n, const Tensor& values) {
-  check("kernel_splat_joint", logits, log_n, values);
-  const SplatSources sources = finite_sources(log_n, values);
-  return composed::kernel_splat(logits, sources.log_n, sources.values, /*joint=*/true) / sources.scale;
+  return splat("kernel_splat_joint", logits, log_n, values, /*joint=*/true);
 }
 
 }  // namespace ld

@@ -4,15 +4,9 @@
 
 #include <vector>
 
-#include "ops/kernels/dense.h"
+#include "ops/kernels/filter.h"
 
 namespace ld {
-
-/// Planes of a picture in memory: plane c of pixel p is data[c * stride + p].
-struct Planes {
-  const float* data = nullptr;
-  int64_t count = 0, stride = 0;
-};
 
 /// Copies `pixels` of each plane to rows of `pitch` floats, and zeros up to padded(pixels).
 void stage(const Planes& from, int64_t pixels, float* to, int64_t pitch);
