@@ -108,6 +108,18 @@ void check_config(const NetworkConfig& config) {
 
 }  // namespace
 
+torch::Tensor Network::forward(NetworkInput input) {
+  input = admit(std::move(input));
+  const double largest =
+      at::GradMode::is_enabled() ? input.radiance.detach().max().item<double>() : 0;  // finite now
+  torch::Tensor output = denoise(std::move(input));
+  if (largest > 1e15 && output.requires_grad()) {
+    const double bound = 1e30 / largest;
+    output.register_hook([bound](const torch::Tensor& gradient) { return gradient.clamp(-bound, bound); });
+  }
+  return output;
+}
+
 std::vector<std::string> network_names() {
   std::vector<std::string> names;
   for (const auto& [name, factory] : registry()) names.push_back(name);

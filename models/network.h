@@ -21,7 +21,10 @@ class Network : public torch::nn::Module {
   /// receives from its neighbours; where nothing is in reach the result is 0. Throws Error when a shape does
   /// not fit the configuration. Hand the input over with std::move where it is not needed any more: its
   /// memory is then free as soon as the network has read it.
-  torch::Tensor forward(NetworkInput input) { return denoise(admit(std::move(input))); }
+  ///
+  /// Differentiable. Where radiance exceeds 1e15, the gradient of the result is bounded so that its product
+  /// with the radiance, which is what reaches the kernels, stays below 1e30: sums of larger ones overflow.
+  torch::Tensor forward(NetworkInput input);
 
   /// What was wrong with the input of the last call.
   const InputFaults& faults() const { return faults_; }

@@ -49,7 +49,9 @@ std::vector<torch::Tensor> in_strips(int64_t height, int64_t step, const Body& b
       if (begin == 0) {
         std::vector<int64_t> sizes = strip[i].sizes().vec();
         sizes[sizes.size() - 2] = height;
-        whole.push_back(at::empty(sizes, strip[i].options()));
+        const bool picture = sizes.size() == 4;  // may have its channels last
+        whole.push_back(at::empty(sizes, strip[i].options(),
+                                  picture ? strip[i].suggest_memory_format() : at::MemoryFormat::Contiguous));
       }
       rows(whole[i], begin, end).copy_(strip[i]);
     }

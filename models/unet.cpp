@@ -73,6 +73,7 @@ std::vector<Tensor> UNet::features(const Tensor& input, int64_t resolutions) {
   const int64_t bottom = (multiple - height % multiple) % multiple,
                 right = (multiple - width % multiple) % multiple;
   Tensor x = bottom + right == 0 ? input : at::replication_pad2d(input, {0, right, 0, bottom});
+  if (!at::GradMode::is_enabled()) x = x.contiguous(at::MemoryFormat::ChannelsLast);
 
   std::vector<Tensor> skips = {x};
   x = encode_finest(x);
@@ -83,18 +84,17 @@ std::vector<Tensor> UNet::features(const Tensor& input, int64_t resolutions) {
   x = bottleneck_->forward(x);
 
   std::vector<Tensor> features(static_cast<size_t>(resolutions));
-  for (int64_t resolution = int64_t(decoder_.size());; --resolution) {
-    if (resolution < resolutions) {
-      const int64_t scale = int64_t(1) << resolution;
+  for (int64_t resolution = int64_t(decoder_.size()); resolution > 0; --resolution) {
+    const int64_t scale = int64_t(1) << resolution;
+    if (resolution < resolutions)
       features[size_t(resolution)] =
           x.narrow(2, 0, (height + scale - 1) / scale).narrow(3, 0, (width + scale - 1) / scale).contiguous();
-    }
-    if (resolution == 0) return features;
-    nn::Sequential& block = decoder_[decoder_.size() - size_t(resolution)];
-    x = resolution == 1 ? decode_finest(x, skips.back())
-                        : block->forward(at::cat({upsample(x), skips.back()}, 1));
+    if (resolution == 1) break;
+    x = decoder_[decoder_.size() - size_t(resolution)]->forward(at::cat({upsample(x), skips.back()}, 1));
     skips.pop_back();
   }
+  features[0] = decode_finest(x, skips.back(), height, width);
+  return features;
 }
 
 /// The first encoder block and its pool.
@@ -110,21 +110,22 @@ Tensor UNet::encode_finest(const Tensor& input) {
   })[0];
 }
 
-/// The last decoder block and the convolution to the context.
-Tensor UNet::decode_finest(const Tensor& coarse, const Tensor& skip) {
-  const int64_t height = skip.size(2), halo = even(int64_t(config_.decoder.back().size()) + 1);
+/// The last decoder block and the convolution to the context, of the padded picture's first rows and columns.
+Tensor UNet::decode_finest(const Tensor& coarse, const Tensor& skip, int64_t height, int64_t width) {
+  const int64_t padded = skip.size(2), halo = even(int64_t(config_.decoder.back().size()) + 1);
   std::vector<int64_t> widths = config_.decoder.back();
   widths.push_back(config_.context);
   const int64_t step = strip_rows(height, row_bytes(skip, coarse.size(1) + skip.size(1), widths));
   return in_strips(height, step, [&](int64_t begin, int64_t end) {
-    const int64_t first = std::max<int64_t>(begin - halo, 0), last = std::min(end + halo, height);
+    const int64_t first = std::max<int64_t>(begin - halo, 0), last = std::min(even(end) + halo, padded);
     // One more coarse row on either side: what bilinear upsampling blends the outermost rows with.
     const int64_t coarse_first = std::max<int64_t>(first / 2 - 1, 0),
-                  coarse_last = std::min(last / 2 + 1, height / 2);
+                  coarse_last = std::min(last / 2 + 1, padded / 2);
     const Tensor up = rows(upsample(rows(coarse, coarse_first, coarse_last)), first - 2 * coarse_first,
                            last - 2 * coarse_first);
     const Tensor x = decoder_.back()->forward(at::cat({up, rows(skip, first, last)}, 1));
-    return std::vector<Tensor>{rows(context_->forward(x), begin - first, end - first)};
+    return std::vector<Tensor>{
+        rows(context_->forward(x), begin - first, end - first).narrow(3, 0, width).contiguous()};
   })[0];
 }
 

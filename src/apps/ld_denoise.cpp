@@ -24,19 +24,20 @@ fs::path output_path(const fs::path& output, const fs::path& input, size_t input
 nlohmann::ordered_json denoise_file(const ld::Denoiser& denoiser, const fs::path& input,
                                     const fs::path& output) {
   ld::Faults faults;
-  const ld::Frame frame = ld::read_frame(input, denoiser.features(), faults);
+  ld::Frame frame = ld::read_frame(input, denoiser.features(), faults);
+  const int width = frame.width, height = frame.height, spp = frame.spp;
   const auto start = std::chrono::steady_clock::now();
-  const ld::Image image = denoiser.denoise(frame);
+  const ld::Image image = denoiser.denoise(std::move(frame));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ld::write_image(output, image);
   ld::warn_about_faults(input, faults);
-  spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s: {}", input.string(), frame.width, frame.height,
-               frame.spp, seconds, output.string());
+  spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s: {}", input.string(), width, height, spp, seconds,
+               output.string());
   return {{"input", input.string()},
           {"output", output.string()},
-          {"width", frame.width},
-          {"height", frame.height},
-          {"spp", frame.spp},
+          {"width", width},
+          {"height", height},
+          {"spp", spp},
           {"seconds", seconds},
           {"masked_samples", faults.not_finite},
           {"negative_values", faults.negative}};

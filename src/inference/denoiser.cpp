@@ -20,10 +20,13 @@ const NetworkConfig& Denoiser::network_config() const {
   return network_->config();
 }
 
-Image Denoiser::denoise(const Frame& frame) const {
+Image Denoiser::denoise(Frame frame) const {
   const torch::InferenceMode no_graph;
-  const NetworkInput input = make_network_input({frame}, features());
-  return to_image(network_->forward(input).squeeze(0));
+  std::vector<Frame> frames(1);
+  frames[0] = std::move(frame);
+  NetworkInput input = make_network_input(frames, features());
+  frames.clear();
+  return to_image(network_->forward(std::move(input)).squeeze(0));
 }
 
 }  // namespace ld

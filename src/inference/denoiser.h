@@ -25,8 +25,10 @@ class Denoiser {
   const std::vector<std::string>& features() const;
   const NetworkConfig& network_config() const;
 
-  /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1.
-  Image denoise(const Frame& frame) const;
+  /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. Takes the frame
+  /// so that its memory is free as soon as the samples are encoded, and theirs as soon as the network has
+  /// read them: hand over large frames with std::move. Not for several threads at once.
+  Image denoise(Frame frame) const;
 
  private:
   std::shared_ptr<Network> network_;
