@@ -54,6 +54,25 @@ TEST(Configs, EveryNetworkHasAPublishedAndASmallOne) {
   EXPECT_EQ(configs.at("quick_layer_weighted").network.compositing, "weighted");
 }
 
+// Counted by hand from figure 3, section 6 and appendix B, weights and biases.
+TEST(Configs, PublishedNetworksHaveTheirParameters) {
+  const int64_t reducer = 2784, pixel_reducer = 3424, partitioner = 5714, generator = 74401,
+                unet = 17197056 + 4480;
+  const int64_t optimized_unet = 16537600, optimized_partitioner = 3666,
+                optimized_generators = 5084 + 4985 + 7033;  // of full, half and quarter resolution
+  const std::map<std::string, int64_t> expected = {
+      {"layer", reducer + unet + partitioner + generator},
+      {"layer_published_code", reducer + unet + partitioner + generator},
+      {"layer_weighted", reducer + unet + partitioner + generator},
+      {"sample_splat", reducer + unet + generator},
+      {"pixel_gather", pixel_reducer + unet + generator},
+      {"pixel_splat", pixel_reducer + unet + generator},
+      {"optimized", reducer + optimized_unet + optimized_partitioner + optimized_generators}};
+  const auto configs = all_configs();
+  for (const auto& [name, count] : expected)
+    EXPECT_EQ(parameter_count(configs.at(name).network), count) << name;
+}
+
 // The networks of a comparison are trained alike: same features, loss, data, optimiser.
 TEST(Configs, NetworksDifferInTheirNetworkAlone) {
   const auto configs = all_configs();
