@@ -1,4 +1,5 @@
-// Times operators and networks against their LibTorch compositions: `ld_bench ops`, `ld_bench network`.
+// Times operators and networks against their LibTorch compositions: `ld_bench ops`, `ld_bench network`; and
+// says what the networks of training configurations cost: `ld_bench config FILE ...`.
 
 #include <filesystem>
 #include <iostream>
@@ -18,6 +19,7 @@ struct Options {
   std::vector<std::string> only;
   std::vector<int64_t> spp = {1, 2, 4, 8, 16, 32, 64};
   std::string out;
+  std::vector<std::string> files;
 };
 
 /// Pictures of 32x32 with 2 samples and one run each: whether everything works, not how fast.
@@ -83,17 +85,21 @@ int main(int argc, char** argv) {
   CLI::App* ops = app.options().add_subcommand("ops", "each operator, forward and with its backward pass");
   CLI::App* network = app.options().add_subcommand(
       "network", "whole networks; then cost, time by stage and time by number of samples");
-  for (CLI::App* command : {ops, network}) {
+  CLI::App* config = app.options().add_subcommand("config", "the networks of training configurations");
+  config->add_option("files", options.files, "YAML configurations")->required();
+  for (CLI::App* command : {ops, network, config}) {
     command->fallthrough();  // --json, --threads after the subcommand
+    command->add_option("--repeats", options.measure.repeats, "timed runs of each row")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command->add_flag("--quick", options.sizes.quick, "small networks, tiny pictures, one run: a test");
+  }
+  for (CLI::App* command : {ops, network}) {
     command->add_option("--out", options.out, "folder for the tables (.md) and figures (.svg)");
     command->add_option("--only", options.only,
                         "only this row; may be repeated; leaves out the rest of it all");
     command->add_option("--configs", options.sizes.configs, "folder of the networks' YAML files")
         ->capture_default_str();
-    command->add_option("--repeats", options.measure.repeats, "timed runs of each row")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    command->add_flag("--quick", options.sizes.quick, "small networks, tiny pictures, one run: a test");
   }
   network->add_option("--spp", options.spp, "numbers of samples, ascending, for cost and time by samples")
       ->delimiter(',')
@@ -107,6 +113,10 @@ int main(int argc, char** argv) {
     nlohmann::ordered_json json;
     if (ops->parsed()) {
       json = run_rows(options, ld::operator_rows(options.sizes), "ops", app.threads());
+    } else if (config->parsed()) {
+      for (const std::string& file : options.files)
+        json.push_back(ld::measure_network(file, options.sizes, options.measure.repeats));
+      std::cout << json.dump(2) << "\n";
     } else {
       json = run_rows(options, ld::network_rows(options.sizes), "network", app.threads());
       if (options.only.empty()) run_sweeps(options, json);

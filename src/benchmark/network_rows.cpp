@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 
 #include "benchmark/cost.h"
 #include "benchmark/workloads.h"
@@ -11,11 +10,14 @@ namespace ld {
 
 using torch::Tensor;
 
+NetworkConfig read_network_config(const std::string& file) {
+  return config_from_tree<TrainConfig>(read_config(file)).network;
+}
+
 NetworkConfig bench_config(const BenchSizes& sizes, const std::string& network) {
   std::string file = network;
   if (sizes.quick) file = network == "layer" ? "quick" : "quick_" + network;
-  return config_from_tree<TrainConfig>(read_config(std::filesystem::path(sizes.configs) / (file + ".yaml")))
-      .network;
+  return read_network_config(sizes.configs + "/" + file + ".yaml");
 }
 
 NetworkInput bench_input(const NetworkConfig& config, int64_t spp, int64_t side) {
@@ -23,32 +25,32 @@ NetworkInput bench_input(const NetworkConfig& config, int64_t spp, int64_t side)
           torch::rand({1, spp, 3, side, side}), torch::ones({1, spp, 1, side, side})};
 }
 
-std::shared_ptr<Network> bench_network(const BenchSizes& sizes, const std::string& name) {
-  auto network = make_network(bench_config(sizes, name));
+std::shared_ptr<Network> bench_network(const NetworkConfig& config) {
+  auto network = make_network(config);
   initialise_xavier(*network, 1);
   return network;
 }
 
-Workload inference_workload(const BenchSizes& sizes, const std::string& name, int64_t spp) {
+Workload inference_workload(const NetworkConfig& config, int64_t spp, int64_t side) {
   torch::manual_seed(1);
-  const auto network = bench_network(sizes, name);
-  const NetworkInput input = bench_input(network->config(), spp, sizes.inference);
+  const auto network = bench_network(config);
+  const NetworkInput input = bench_input(config, spp, side);
   const auto run = [network, input] {
     const c10::InferenceMode no_graph;
     network->forward(input);
   };
-  return {run, multiply_adds(network->config(), spp, sizes.inference, sizes.inference).total()};
+  return {run, multiply_adds(config, spp, side, side).total()};
 }
 
-Workload training_workload(const BenchSizes& sizes, const std::string& name) {
+Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t side) {
   torch::manual_seed(1);
-  const auto network = bench_network(sizes, name);
-  const NetworkInput input = bench_input(network->config(), sizes.spp, sizes.training);
-  const Tensor reference = torch::rand({1, 3, sizes.training, sizes.training});
+  const auto network = bench_network(config);
+  const NetworkInput input = bench_input(config, spp, side);
+  const Tensor reference = torch::rand({1, 3, side, side});
   const auto run = [network, input, reference, loss = make_loss("smape")] {
     torch::autograd::grad({loss(network->forward(input), reference)}, network->parameters());
   };
-  return {run, multiply_adds(network->config(), sizes.spp, sizes.training, sizes.training).training()};
+  return {run, multiply_adds(config, spp, side, side).training()};
 }
 
 std::vector<RowSpec> network_rows(const BenchSizes& sizes) {
@@ -67,8 +69,9 @@ std::vector<RowSpec> network_rows(const BenchSizes& sizes) {
   for (const Entry& entry : entries) {
     if (std::find(known.begin(), known.end(), entry.network) == known.end()) continue;
     rows.push_back({entry.row, [sizes, entry] {
-                      return entry.train ? training_workload(sizes, entry.network)
-                                         : inference_workload(sizes, entry.network, sizes.spp);
+                      const NetworkConfig config = bench_config(sizes, entry.network);
+                      return entry.train ? training_workload(config, sizes.spp, sizes.training)
+                                         : inference_workload(config, sizes.spp, sizes.inference);
                     }});
   }
   return rows;

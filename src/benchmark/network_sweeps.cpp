@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "benchmark/cost.h"
+#include "benchmark/peak_memory.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "core/text_table.h"
@@ -35,7 +36,7 @@ bool is_known(const std::string& network) {
 }
 
 NetworkStages stages_of(const BenchSizes& sizes, const std::string& name, int repeats) {
-  const auto network = bench_network(sizes, name);
+  const auto network = bench_network(bench_config(sizes, name));
   const NetworkConfig& config = network->config();
   const NetworkInput input = bench_input(config, sizes.spp, sizes.inference);
   auto& reducer = child<SampleReducer>(*network, "sample_reducer");
@@ -81,9 +82,10 @@ NetworkStages stages_of(const BenchSizes& sizes, const std::string& name, int re
 
 std::vector<SampleTime> time_by_samples(const BenchSizes& sizes, const std::vector<int64_t>& spp,
                                         int repeats) {
+  const NetworkConfig config = bench_config(sizes, "layer");
   const auto time = [&](int64_t count) {
     spdlog::info("layer network at {} samples a pixel ...", count);
-    return median_ms(inference_workload(sizes, "layer", count).run, repeats);
+    return median_ms(inference_workload(config, count, sizes.inference).run, repeats);
   };
   std::vector<SampleTime> times;
   for (const int64_t count : spp) times.push_back({count, time(count), 0});
@@ -112,6 +114,23 @@ std::vector<NetworkStages> time_by_stage(const BenchSizes& sizes, int repeats) {
   for (const char* name : {"layer", "optimized"})
     if (is_known(name)) all.push_back(stages_of(sizes, name, repeats));
   return all;
+}
+
+nlohmann::ordered_json measure_network(const std::string& file, const BenchSizes& sizes, int repeats) {
+  const NetworkConfig config = read_network_config(file);
+  int64_t parameters = 0;
+  for (const Tensor& parameter : make_network(config)->parameters()) parameters += parameter.numel();
+  const Workload inference = inference_workload(config, sizes.spp, sizes.inference),
+                 training = training_workload(config, sizes.spp, sizes.training);
+  const double inference_ms = median_ms(inference.run, repeats),
+               training_ms = median_ms(training.run, repeats);
+  return {{"config", file},
+          {"parameters", parameters},
+          {"multiply_adds_per_pixel", inference.multiply_adds / double(sizes.inference * sizes.inference)},
+          {"inference_ms", inference_ms},
+          {"inference_peak_mb", peak_memory_mb(inference.run)},
+          {"training_ms", training_ms},
+          {"training_peak_mb", peak_memory_mb(training.run)}};
 }
 
 }  // namespace ld

@@ -38,7 +38,11 @@ struct NetworkStages {
 };
 std::vector<NetworkStages> time_by_stage(const BenchSizes& sizes, int repeats);
 
-/// The same as text tables, figures and JSON.
+/// What the network of a training configuration costs: {"config", "parameters", "multiply_adds_per_pixel",
+/// "inference_ms", "inference_peak_mb", "training_ms", "training_peak_mb"}.
+nlohmann::ordered_json measure_network(const std::string& file, const BenchSizes& sizes, int repeats);
+
+/// The sweeps as text tables, figures and JSON.
 std::string markdown(const std::vector<SampleTime>& times);
 std::string markdown(const std::vector<NetworkCosts>& costs, const std::vector<int64_t>& spp);
 std::string markdown(const std::vector<NetworkStages>& stages);

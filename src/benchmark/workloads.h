@@ -26,20 +26,24 @@ struct RowSpec {
   std::function<Workload()> make;
 };
 
+/// The network of a training configuration. Throws Error when the file is missing, UsageError when it is
+/// none.
+NetworkConfig read_network_config(const std::string& file);
+
 /// The network's sizes: of CONFIGS/NAME.yaml; when quick, of quick_NAME.yaml (quick.yaml for the layer
-/// network). Throws Error when the file is missing.
+/// network).
 NetworkConfig bench_config(const BenchSizes& sizes, const std::string& network);
 
 /// Random numbers as of a frame in which every sample is valid; float32, batch 1.
 NetworkInput bench_input(const NetworkConfig& config, int64_t spp, int64_t side);
 
 /// A network with Xavier weights.
-std::shared_ptr<Network> bench_network(const BenchSizes& sizes, const std::string& name);
+std::shared_ptr<Network> bench_network(const NetworkConfig& config);
 
 /// One forward pass without gradients; and one with the SMAPE loss and the gradients of all weights, without
-/// the optimiser's step.
-Workload inference_workload(const BenchSizes& sizes, const std::string& network, int64_t spp);
-Workload training_workload(const BenchSizes& sizes, const std::string& network);
+/// the optimiser's step. Pictures of side x side pixels.
+Workload inference_workload(const NetworkConfig& config, int64_t spp, int64_t side);
+Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t side);
 
 /// reducer_, partition_, splat17_, gather17_ with _forward and _train. The operators have the sizes of the
 /// layer network; _train is a forward pass that keeps what it needs, and the backward pass.
