@@ -77,49 +77,66 @@ void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
   json["samples"] = ld::to_json(times);
 }
 
-}  // namespace
+struct Commands {
+  CLI::App *ops, *network, *config;
+};
 
-int main(int argc, char** argv) {
-  Options options;
-  ld::Application app("ld_bench", "Times operators and networks against their LibTorch compositions.");
-  CLI::App* ops = app.options().add_subcommand("ops", "each operator, forward and with its backward pass");
-  CLI::App* network = app.options().add_subcommand(
-      "network", "whole networks; then cost, time by stage and time by number of samples");
-  CLI::App* config = app.options().add_subcommand("config", "the networks of training configurations");
-  config->add_option("files", options.files, "YAML configurations")->required();
-  for (CLI::App* command : {ops, network, config}) {
+Commands declare(CLI::App& app, Options& options) {
+  Commands commands;
+  commands.ops = app.add_subcommand("ops", "each operator, forward and with its backward pass");
+  commands.network =
+      app.add_subcommand("network", "whole networks; then cost, time by stage and time by number of samples");
+  commands.config = app.add_subcommand("config", "what the networks of training configurations cost");
+  commands.config->add_option("files", options.files, "YAML configurations")->required();
+  for (CLI::App* command : {commands.ops, commands.network, commands.config}) {
     command->fallthrough();  // --json, --threads after the subcommand
     command->add_option("--repeats", options.measure.repeats, "timed runs of each row")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command->add_flag("--quick", options.sizes.quick, "small networks, tiny pictures, one run: a test");
   }
-  for (CLI::App* command : {ops, network}) {
+  for (CLI::App* command : {commands.ops, commands.network}) {
     command->add_option("--out", options.out, "folder for the tables (.md) and figures (.svg)");
     command->add_option("--only", options.only,
                         "only this row; may be repeated; leaves out the rest of it all");
     command->add_option("--configs", options.sizes.configs, "folder of the networks' YAML files")
         ->capture_default_str();
   }
-  network->add_option("--spp", options.spp, "numbers of samples, ascending, for cost and time by samples")
+  commands.network
+      ->add_option("--spp", options.spp, "numbers of samples, ascending, for cost and time by samples")
       ->delimiter(',')
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  app.options().require_subcommand(1);
+  app.require_subcommand(1);
+  return commands;
+}
+
+nlohmann::ordered_json run_configs(const Options& options) {
+  nlohmann::ordered_json json;
+  for (const std::string& file : options.files)
+    json.push_back(ld::measure_network(file, options.sizes, options.measure.repeats));
+  std::cout << json.dump(2) << "\n";
+  return json;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  ld::Application app("ld_bench", "Times operators and networks against their LibTorch compositions.");
+  const Commands commands = declare(app.options(), options);
 
   return app.run(argc, argv, [&] {
     ld::configure_runtime(app.threads());
     if (options.sizes.quick) make_quick(options);
     nlohmann::ordered_json json;
-    if (ops->parsed()) {
+    if (commands.ops->parsed()) {
       json = run_rows(options, ld::operator_rows(options.sizes), "ops", app.threads());
-    } else if (config->parsed()) {
-      for (const std::string& file : options.files)
-        json.push_back(ld::measure_network(file, options.sizes, options.measure.repeats));
-      std::cout << json.dump(2) << "\n";
-    } else {
+    } else if (commands.network->parsed()) {
       json = run_rows(options, ld::network_rows(options.sizes), "network", app.threads());
       if (options.only.empty()) run_sweeps(options, json);
+    } else {
+      json = run_configs(options);
     }
     app.write_json(json);
   });

@@ -64,6 +64,24 @@ TEST(LdBench, NetworkGivesEveryRowTableAndFigure) {
   }
 }
 
+TEST(LdBench, ConfigSaysWhatANetworkCosts) {
+  const TemporaryFolder folder;
+  const std::string json = (folder / "result.json").string();
+  const ProgramResult result = run_program(
+      "ld_bench",
+      {"config", kConfigs + "/quick.yaml", kConfigs + "/quick_optimized.yaml", "--quick", "--json", json});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto costs = parse_json(read_file(json), json);
+  ASSERT_EQ(costs.size(), 2);
+  for (const auto& cost : costs) {
+    for (const char* key : {"parameters", "multiply_adds_per_pixel", "inference_ms", "training_ms"})
+      EXPECT_GT(cost.at(key).get<double>(), 0) << cost;
+    for (const char* key : {"inference_peak_mb", "training_peak_mb"})
+      EXPECT_GE(cost.at(key).get<double>(), 0) << cost;
+  }
+  EXPECT_LT(costs[1].at("multiply_adds_per_pixel"), costs[0].at("multiply_adds_per_pixel"));
+}
+
 TEST(LdBench, OnlyPicksRowsAndNamesAreChecked) {
   const TemporaryFolder folder;
   const auto json = run_bench(folder, {"ops", "--only", "gather17_forward"});
