@@ -196,11 +196,9 @@ Tensor fully_connected(const Tensor& x, const Tensor& shared, const FullyConnect
   if (runs_composed(x)) return composed::fully_connected(x, shared, network, activate_last);
   const c10::optional<Tensor> flat_shared =
       shared.defined() ? c10::optional<Tensor>(shared.contiguous().flatten(2)) : c10::nullopt;
-  variable_list weights, biases;
-  for (const Tensor& weight : network.weights) weights.push_back(weight.contiguous());
-  for (const Tensor& bias : network.biases) biases.push_back(bias.contiguous());
-  return FullyConnected::apply(x.contiguous().flatten(3), flat_shared, at::TensorList(weights),
-                               at::TensorList(biases), activate_last)
+  const FullyConnectedWeights plain = contiguous(network);
+  return FullyConnected::apply(x.contiguous().flatten(3), flat_shared, at::TensorList(plain.weights),
+                               at::TensorList(plain.biases), activate_last)
       .view({x.size(0), x.size(1), inputs, x.size(3), x.size(4)});
 }
 

@@ -1,14 +1,98 @@
 #include "ops/partition.h"
 
+#include <ATen/Parallel.h>
+
 #include "ops/check.h"
 #include "ops/composition.h"
+#include "ops/kernels/partition.h"
+#include "ops/pictures.h"
 
 namespace ld {
+namespace {
 
 using torch::Tensor;
+using torch::autograd::AutogradContext;
+using torch::autograd::variable_list;
 
-Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& radiance,
-                    const Tensor& embedding, Compositing compositing) {
+/// The arguments, contiguous.
+struct Problem {
+  Tensor logits, valid, radiance, embedding;
+  PartitionShape shape;
+
+  Problem(const Tensor& z, const Tensor& v, const Tensor& r, const Tensor& e, bool alpha)
+      : logits(z.contiguous()),
+        valid(v.contiguous()),
+        radiance(r.contiguous()),
+        embedding(e.contiguous()),
+        shape{z.size(1), z.size(2), e.size(2), z.size(3) * z.size(4), alpha} {}
+
+  Tensor like(int64_t planes) const {
+    return at::empty({logits.size(0), shape.layers, planes, logits.size(3), logits.size(4)}, logits.options());
+  }
+
+  /// Calls body(picture, input, first pixel, count, scratch) for every tile, on all threads.
+  template <class Body>
+  void for_each_tile(const Body& body) const {
+    const Pictures<float> z(logits), v(valid), r(radiance), e(embedding);
+    const int64_t tiles = (shape.plane + kPartitionPixels - 1) / kPartitionPixels;
+    at::parallel_for(0, logits.size(0) * tiles, 1, [&](int64_t first, int64_t last) {
+      PartitionScratch scratch(shape);
+      for (int64_t i = first; i < last; ++i) {
+        const int64_t b = i / tiles, begin = i % tiles * kPartitionPixels;
+        body(b, PartitionInput{z[b], v[b], r[b], e[b]}, begin, std::min(kPartitionPixels, shape.plane - begin),
+             scratch);
+      }
+    });
+  }
+};
+
+class SamplePartition : public torch::autograd::Function<SamplePartition> {
+ public:
+  /// {log_n, radiance, opacity, embedding} and, for alpha, transmittance.
+  static variable_list forward(AutogradContext* context, const Tensor& logits, const Tensor& valid,
+                               const Tensor& radiance, const Tensor& embedding, bool alpha) {
+    const Problem problem(logits, valid, radiance, embedding, alpha);
+    context->save_for_backward({problem.logits, problem.valid, problem.radiance, problem.embedding});
+    context->saved_data["alpha"] = alpha;
+    context->set_materialize_grads(false);
+    const Tensor log_n = problem.like(1).squeeze(2), shares = problem.like(3), opacity = problem.like(1),
+                 transmittance = alpha ? problem.like(1) : Tensor(), features = problem.like(problem.shape.embedding);
+    const Pictures<float> n(log_n), r(shares), o(opacity), t(transmittance), e(features);
+    problem.for_each_tile([&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count,
+                              PartitionScratch& scratch) {
+      partition_tile(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, begin, count, scratch);
+    });
+    variable_list results = {log_n, shares, opacity, features};
+    if (alpha) results.push_back(transmittance);
+    return results;
+  }
+
+  static variable_list backward(AutogradContext* context, variable_list gradients) {
+    const variable_list saved = context->get_saved_variables();
+    const bool alpha = context->saved_data["alpha"].toBool();
+    const Problem problem(saved[0], saved[1], saved[2], saved[3], alpha);
+    for (Tensor& gradient : gradients)
+      if (gradient.defined()) gradient = gradient.contiguous();
+    Tensor radiance_gradient, embedding_gradient;
+    const Tensor logits_gradient = at::empty_like(problem.logits);
+    if (problem.radiance.requires_grad()) radiance_gradient = at::empty_like(problem.radiance);
+    if (problem.embedding.requires_grad()) embedding_gradient = at::empty_like(problem.embedding);
+    const Pictures<float> n(gradients[0]), r(gradients[1]), o(gradients[2]), e(gradients[3]),
+        t(alpha ? gradients[4] : Tensor());
+    const Pictures<float> gz(logits_gradient), gr(radiance_gradient), ge(embedding_gradient);
+    problem.for_each_tile([&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count,
+                              PartitionScratch& scratch) {
+      partition_tile_backward(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, {gz[b], gr[b], ge[b]}, begin,
+                              count, scratch);
+    });
+    return {logits_gradient, Tensor(), radiance_gradient, embedding_gradient, Tensor()};
+  }
+};
+
+}  // namespace
+
+Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& radiance, const Tensor& embedding,
+                    Compositing compositing) {
   const auto type = floating_type("partition: logits", logits);
   expect_tensor("partition: logits", "[B, S, N, H, W]", logits,
                 {kAnySize, kAnySize, kAnySize, kAnySize, kAnySize}, type);
@@ -18,7 +102,11 @@ Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& rad
   expect_tensor("partition: radiance", "[B, S, 3, H, W]", radiance, {batch, samples, 3, height, width}, type);
   expect_tensor("partition: embedding", "[B, S, E, H, W]", embedding,
                 {batch, samples, kAnySize, height, width}, type);
-  return composed::partition(logits, valid.detach(), radiance, embedding, compositing);
+  if (runs_composed(logits))
+    return composed::partition(logits, valid.detach(), radiance, embedding, compositing);
+  const bool alpha = compositing == Compositing::alpha;
+  const variable_list results = SamplePartition::apply(logits, valid.detach(), radiance, embedding, alpha);
+  return {results[0], results[1], results[2], alpha ? results[4] : Tensor(), results[3]};
 }
 
 }  // namespace ld

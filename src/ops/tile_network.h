@@ -5,9 +5,18 @@
 
 #include <vector>
 
+#include "ops/fully_connected.h"
 #include "ops/kernels/tile_network.h"
 
 namespace ld {
+
+/// The weights as their kernels read them.
+inline FullyConnectedWeights contiguous(const FullyConnectedWeights& network) {
+  FullyConnectedWeights plain;
+  for (const torch::Tensor& weight : network.weights) plain.weights.push_back(weight.contiguous());
+  for (const torch::Tensor& bias : network.biases) plain.biases.push_back(bias.contiguous());
+  return plain;
+}
 
 /// Contiguous float32 weights [outputs, inputs] and biases [outputs] of each layer, which must outlive it.
 inline TileNetwork tile_network(const std::vector<torch::Tensor>& weights,

@@ -1,0 +1,57 @@
+// Inner loops of ops/partition.h for one picture, float32, for every SIMD width (Highway): a tile of pixels at
+// a time, one pass over its samples. Arrays are planar, [...][plane].
+#pragma once
+
+#include "ops/kernels/filter.h"
+
+namespace ld {
+
+struct PartitionShape {
+  int64_t samples, layers, embedding, plane;
+  bool alpha;  // n_l counts the layers behind, else w_l alone
+};
+
+constexpr int64_t kPartitionPixels = 128;  // of a tile: half a page of each plane
+
+struct PartitionInput {
+  const float* logits;     // [S][N]
+  const float* valid;      // [S]
+  const float* radiance;   // [S][3]
+  const float* embedding;  // [S][E]
+};
+
+struct PartitionOutput {
+  float* log_n;          // [N]
+  float* radiance;       // [N][3]
+  float* opacity;        // [N]
+  float* transmittance;  // [N], null unless alpha
+  float* embedding;      // [N][E]
+};
+
+/// Gradients of the outputs come in; null where there is none.
+struct PartitionGradient {
+  const float *log_n, *radiance, *opacity, *transmittance, *embedding;
+};
+/// What goes out; radiance and embedding may be null.
+struct PartitionInputGradient {
+  float *logits, *radiance, *embedding;
+};
+
+/// One thread's memory: rows of kPartitionPixels.
+struct PartitionScratch {
+  StagedRows log_w;     // [S][N] log w_s^l, -inf where a sample does not count
+  StagedRows share;     // [S][N] w_s^l / (S n_l)
+  StagedRows weight;    // [S][N] w_s^l / S
+  StagedRows gradient;  // [S][N] of log w
+  StagedRows mask;      // [S] all bits set where a sample counts
+  explicit PartitionScratch(const PartitionShape& shape);
+};
+
+/// Pixels [begin, begin + count), count <= kPartitionPixels.
+void partition_tile(const PartitionShape& shape, const PartitionInput& in, const PartitionOutput& out,
+                    int64_t begin, int64_t count, PartitionScratch& scratch);
+void partition_tile_backward(const PartitionShape& shape, const PartitionInput& in, const PartitionGradient& from,
+                             const PartitionInputGradient& to, int64_t begin, int64_t count,
+                             PartitionScratch& scratch);
+
+}  // namespace ld
