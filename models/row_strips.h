@@ -30,11 +30,18 @@ class StripBytes {
 };
 
 /// How many of `height` rows to take at a time (an even number, or all) when each needs `bytes_per_row`
-/// besides what it leaves behind. All of them where a gradient is kept: the graph holds everything anyway.
-inline int64_t strip_rows(int64_t height, int64_t bytes_per_row) {
+/// besides what it leaves behind, and strips must overlap. All of them where a gradient is kept: the graph
+/// holds everything anyway.
+inline int64_t strip_rows(int64_t height, int64_t bytes_per_row, int64_t parts = 1) {
   if (at::GradMode::is_enabled()) return height;
-  const int64_t fitting = StripBytes::current() / std::max<int64_t>(bytes_per_row, 1) / 2 * 2;
+  const int64_t fitting = StripBytes::current() / parts / std::max<int64_t>(bytes_per_row, 1) / 2 * 2;
   return std::min(height, std::max<int64_t>(fitting, 16));
+}
+
+/// The same for work that needs no overlap: smaller strips, two to three times as fast because they stay in
+/// the cache (16 MB, measured from 1 to 256).
+inline int64_t short_strip_rows(int64_t height, int64_t bytes_per_row) {
+  return strip_rows(height, bytes_per_row, 16);
 }
 
 /// The tensors that body(begin, end) returns for strips of `step` rows, put together along their rows.

@@ -25,16 +25,16 @@ class SampleEmbeddings {
 
   int64_t height() const { return features_.size(3); }
 
-  /// Rows whose embeddings, features and `further` channels a sample fit in a strip.
-  int64_t strip(int64_t further = 0) const {
-    const int64_t outputs = reducer_.weights().weights.back().size(0), samples = features_.size(1);
-    return strip_rows(height(), features_.size(0) * samples * (features_.size(2) + outputs + further) *
-                                    features_.size(4) * int64_t(features_.element_size()));
+  /// Memory of a row of embeddings, features and `further` channels a sample.
+  int64_t row_bytes(int64_t further = 0) const {
+    const int64_t outputs = reducer_.weights().weights.back().size(0);
+    return features_.size(0) * features_.size(1) * (features_.size(2) + outputs + further) *
+           features_.size(4) * int64_t(features_.element_size());
   }
 
   /// Mean over the valid samples of each pixel, [B, E, H, W]; 0 where there is none.
   torch::Tensor mean(const torch::Tensor& valid) const {
-    return in_strips(height(), strip(), [&](int64_t begin, int64_t end) {
+    return in_strips(height(), short_strip_rows(height(), row_bytes()), [&](int64_t begin, int64_t end) {
       return std::vector<torch::Tensor>{masked_mean(of_rows(begin, end), rows(valid, begin, end))};
     })[0];
   }

@@ -35,7 +35,7 @@ Tensor SampleSplatNetwork::denoise(NetworkInput input) {
                            .masked_fill(input.valid.eq(0), -std::numeric_limits<double>::infinity())
                            .squeeze(2);
   const int64_t radius = config().kernel_size / 2, height = embeddings.height();
-  return in_strips(height, embeddings.strip(), [&](int64_t begin, int64_t end) {
+  return in_strips(height, strip_rows(height, embeddings.row_bytes()), [&](int64_t begin, int64_t end) {
     const int64_t first = std::max<int64_t>(begin - radius, 0), last = std::min(end + radius, height);
     const Tensor filtered = generated_splat_joint(
         kernel_generator_->weights(), embeddings.of_rows(first, last), rows(context, first, last),
