@@ -75,9 +75,17 @@ class Axis {
   Axis(bool logarithmic, double low, double high, double from, double to)
       : logarithmic_(logarithmic), from_(from), to_(to) {
     if (logarithmic) {
-      low_ = std::floor(std::log10(low) + 1e-9);
-      high_ = std::max(std::ceil(std::log10(high) - 1e-9), low_ + 1);
-      for (double e = low_; e <= high_ + 0.5; ++e) ticks_.push_back(std::pow(10, e));
+      // 1, 2, 5, 10, 20, ...: from the last that is not above `low` to the first that is not below `high`.
+      std::vector<double> all;
+      for (double power = std::pow(10, std::floor(std::log10(low) + 1e-9)); power <= 10 * high; power *= 10)
+        for (const double digit : {1., 2., 5.}) all.push_back(digit * power);
+      size_t first = 0;
+      while (all[first + 1] <= low * (1 + 1e-9)) ++first;
+      size_t last = first + 1;
+      while (all[last] < high * (1 - 1e-9)) ++last;
+      for (size_t i = first; i <= last; ++i) ticks_.push_back(all[i]);
+      low_ = std::log10(ticks_.front());
+      high_ = std::log10(ticks_.back());
     } else {
       low_ = 0;
       const double raw = high / 5, power = std::pow(10, std::floor(std::log10(raw)));
@@ -152,8 +160,8 @@ std::string to_svg(const LinePlot& plot) {
       dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>\n", x.place(px),
                           y.place(py), colour(i));
     }
-    svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n", path,
-                       colour(i));
+    svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"{}/>\n", path,
+                       colour(i), i % 2 == 1 ? " stroke-dasharray=\"6 4\"" : "");  // one may cover another
     svg += dots + legend(i, plot.lines[i].name);
   }
   return svg + "</svg>\n";

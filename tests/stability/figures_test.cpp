@@ -1,11 +1,16 @@
 // The figures of docs/stability.md: what the formulas of [MH20] do as printed, beside what the operators do.
 //   build/tests/test_stability --gtest_filter='Figures.*'
+// With LD_FIGURES=FOLDER in the environment, its picture is written to that folder too.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
+#include "benchmark/svg_plot.h"
+#include "core/file_io.h"
 #include "core/text_table.h"
 #include "ops/tone_map.h"
 #include "tests/stability/filters.h"
@@ -66,6 +71,12 @@ TEST(Figures, ALayerWhoseLogitsLieBelowThoseOfAnother) {
 TEST(Figures, LogitsOfGrowingDeviation) {
   std::vector<TableRow> table = {{"deviation", "as printed: pixels that lose > 0.1 %", "worst keeps",
                                   "in double: pixels", "worst keeps", "here: pixels", "largest error"}};
+  LinePlot plot{"A constant picture: pixels that lose more than 0.1 %",
+                "deviation of the kernel and partition logits",
+                "% of the pixels",
+                true,
+                false,
+                {{"as printed", {}}, {"as printed, double", {}}, {"here", {}}}};
   for (const double deviation : {1.0, 3.0, 10.0, 100.0, 1e3, 1e4}) {
     const FilterInput input = constant_input(2, 17, 64, deviation);
     const Kept single = kept(filter_layers_as_printed(input, torch::kFloat32)),
@@ -76,6 +87,9 @@ TEST(Figures, LogitsOfGrowingDeviation) {
     if (deviation >= 10) {
       EXPECT_GT(twice.share_below, 0.01);
     }
+    plot.lines[0].points.emplace_back(deviation, 100 * single.share_below);
+    plot.lines[1].points.emplace_back(deviation, 100 * twice.share_below);
+    plot.lines[2].points.emplace_back(deviation, 100 * ours.share_below);
     const auto percent = [](double share) { return fmt::format("{:.1f} %", 100 * share); };
     table.push_back({fmt::format("{:g}", deviation), percent(single.share_below),
                      fmt::format("{:.2g}", single.worst), percent(twice.share_below),
@@ -83,6 +97,10 @@ TEST(Figures, LogitsOfGrowingDeviation) {
                      fmt::format("{:.1g}", error)});
   }
   print("A constant picture of 1 in 64x64, two layers, 17x17 kernels, all logits random and normal:", table);
+  const std::string svg = to_svg(plot);
+  EXPECT_NE(svg.find("as printed"), std::string::npos);
+  if (const char* folder = std::getenv("LD_FIGURES"))
+    write_file_atomically(std::filesystem::path(folder) / "lost_energy.svg", svg);
 }
 
 TEST(Figures, KernelsThatPointOneWay) {
