@@ -93,8 +93,8 @@ Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& val
   const int64_t kernel = kernel_size(logits.size(2));
   const Tensor z = bounded(logits);
   const Tensor largest = std::get<0>(z.flatten(1, 2).max(1));  // m_p [B, H, W]
-  const Tensor e = (z - largest.unsqueeze(1).unsqueeze(2)).clamp_min(lowest_logit(z.scalar_type())) +
-                   log_n.unsqueeze(2);
+  const Tensor e =
+      (z - largest.unsqueeze(1).unsqueeze(2)).clamp_min(lowest_logit(z.scalar_type())) + log_n.unsqueeze(2);
   // Taken apart once: a view of one plane would have a gradient the size of all of them.
   std::vector<Tensor> exponents = e.unbind(2);
   for (const Tap& tap : taps(kernel)) {
@@ -103,7 +103,8 @@ Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& val
   }
   const Shifted sources(values, kernel, 0);
 
-  // The largest exponent that arrives cancels between numerator and denominator: no gradient flows through it.
+  // The largest exponent that arrives cancels between numerator and denominator: no gradient flows through
+  // it.
   Tensor top;
   {
     const at::NoGradGuard constant;
@@ -140,8 +141,7 @@ Tensor kernel_gather(const Tensor& logits, const Tensor& log_n, const Tensor& va
   }
   Tensor numerator, denominator;
   for (const Tap& tap : taps(kernel)) {
-    const Tensor weight =
-        (z[size_t(tap.index)] - top + given.at_offset(tap.dy, tap.dx)).exp().unsqueeze(1);
+    const Tensor weight = (z[size_t(tap.index)] - top + given.at_offset(tap.dy, tap.dx)).exp().unsqueeze(1);
     const Tensor product = weight * sources.at_offset(tap.dy, tap.dx);
     numerator = numerator.defined() ? numerator + product : product;
     denominator = denominator.defined() ? denominator + weight : weight;
@@ -166,8 +166,8 @@ Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& rad
   std::vector<Tensor> log_n, share, transmittance;
   for (int64_t l = 0; l < layers; ++l) {
     // What each sample puts into layer l and, for alpha, those behind it, relative to n_l: opacity and
-    // transmittance come from one softmax, so they add up to 1 however large the logits (a difference of log n
-    // would not).
+    // transmittance come from one softmax, so they add up to 1 however large the logits (a difference of log
+    // n would not).
     const int64_t depth = compositing == Compositing::alpha ? layers - l : 1;
     const Tensor behind = log_w.narrow(2, l, depth).flatten(1, 2);  // [B, S * depth, H, W]
     const Tensor q = at::softmax(behind, 1).unflatten(1, {samples, depth});

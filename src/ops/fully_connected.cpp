@@ -16,8 +16,9 @@ using torch::Tensor;
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
-constexpr int64_t kGroups = 16;  // partial sums of the weights' gradient; fixed, so that threads change no bit
-constexpr int64_t kForwardPixels = 192;  // of a tile: whole panels of every vector width
+constexpr int64_t kGroups =
+    16;  // partial sums of the weights' gradient; fixed, so that threads change no bit
+constexpr int64_t kForwardPixels = 192;      // of a tile: whole panels of every vector width
 constexpr int64_t kBackwardFloats = 524288;  // of a tile with its gradients: the L2 cache of a recent core
 constexpr int64_t kBackwardPixels = 768;     // more would not make its sums over pixels any cheaper
 
@@ -100,8 +101,7 @@ class FullyConnected : public torch::autograd::Function<FullyConnected> {
         for (int64_t s = 0; s < x.size(1); ++s) {
           stage_sample(problem, tile, s, scratch);
           network.forward(scratch, tile.count);
-          unstage(scratch.a.back(), scratch.pitch, network.outputs(), tile.count, tile.of(out, s),
-                  x.size(3));
+          unstage(scratch.a.back(), scratch.pitch, network.outputs(), tile.count, tile.of(out, s), x.size(3));
         }
       }
     });

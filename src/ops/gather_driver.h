@@ -18,8 +18,8 @@ inline GatherSources gather_sources(const FilterShape& shape, const float* log_n
   return sources;
 }
 
-/// `make_stage()` gives each thread a function (picture, stretch, logits) that writes the stretch's logits. out
-/// [B, C, H, W]; totals [B, 2, H, W] may be null.
+/// `make_stage()` gives each thread a function (picture, stretch, logits) that writes the stretch's logits.
+/// out [B, C, H, W]; totals [B, 2, H, W] may be null.
 template <class MakeStage>
 void run_gather(const FilterShape& shape, int64_t batch, const Pictures<float>& log_n,
                 const Pictures<float>& values, const MakeStage& make_stage, const Pictures<float>& out,

@@ -47,7 +47,8 @@ Tensor in_strips(const FullyConnectedWeights& generator, const Tensor& x, const 
 /// A thread's kernel generator: writes the logits of a stretch straight to where the filter reads them.
 class StretchGenerator {
  public:
-  StretchGenerator(const TileNetwork& network, const FilterShape& shape, const Tensor& x, const Tensor& shared)
+  StretchGenerator(const TileNetwork& network, const FilterShape& shape, const Tensor& x,
+                   const Tensor& shared)
       : network_(network),
         shape_(shape),
         x_(x),
@@ -85,8 +86,8 @@ void check(const FullyConnectedWeights& generator, const Tensor& x, const Tensor
   if (generator.weights.empty() || generator.weights.size() != generator.biases.size())
     fail("generated filter: {} weights and {} biases, expected as many of both and at least one",
          generator.weights.size(), generator.biases.size());
-  expect_tensor("generated filter: x", "[B, N, X, H, W]", x, {kAnySize, kAnySize, kAnySize, kAnySize, kAnySize},
-                type);
+  expect_tensor("generated filter: x", "[B, N, X, H, W]", x,
+                {kAnySize, kAnySize, kAnySize, kAnySize, kAnySize}, type);
   const int64_t batch = x.size(0), layers = x.size(1), height = x.size(3), width = x.size(4);
   const int64_t y = generator.weights[0].size(1) - x.size(2);
   expect_tensor("generated filter: shared", "[B, Y, H, W]", shared, {batch, y, height, width}, type);
@@ -105,7 +106,8 @@ struct FusedFilter {
 
   FusedFilter(const FullyConnectedWeights& generator, const Tensor& x_in, const Tensor& shared_in,
               const Tensor& log_n_in, const Tensor& values_in)
-      : sources((check(generator, x_in, shared_in, log_n_in, values_in), finite_sources(log_n_in, values_in))),
+      : sources(
+            (check(generator, x_in, shared_in, log_n_in, values_in), finite_sources(log_n_in, values_in))),
         weights(contiguous(generator)),
         x(x_in.contiguous()),
         shared(shared_in.contiguous()),
@@ -131,14 +133,17 @@ Tensor fused_splat(const FusedFilter& filter, bool joint) {
     };
   };
   run_splat(shape, joint, out.size(0), {Pictures<float>(filter.log_n), Pictures<float>(filter.values)},
-            make_stage, [&](int64_t b) { return SplatResult{o[b], nullptr, nullptr}; });
+            make_stage, [&](int64_t b) {
+              return SplatResult{o[b], nullptr, nullptr};
+            });
   return unscaled(joint ? out : out.view(filter.values.sizes()), filter.sources);
 }
 
 Tensor fused_gather(const FusedFilter& filter) {
   const Tensor out = filter.empty(filter.shape.channels);
-  run_gather(filter.shape, out.size(0), Pictures<float>(filter.log_n), Pictures<float>(filter.values),
-             [&] { return filter.generate(); }, Pictures<float>(out), Pictures<float>(Tensor()));
+  run_gather(
+      filter.shape, out.size(0), Pictures<float>(filter.log_n), Pictures<float>(filter.values),
+      [&] { return filter.generate(); }, Pictures<float>(out), Pictures<float>(Tensor()));
   return unscaled(out, filter.sources);
 }
 

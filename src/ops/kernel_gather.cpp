@@ -14,32 +14,34 @@ using torch::Tensor;
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
-constexpr int64_t kStripRows = 32;  // of a partial sum of the values' gradient; fixed, so threads change no bit
+constexpr int64_t kStripRows =
+    32;  // of a partial sum of the values' gradient; fixed, so threads change no bit
 
 FilterShape filter_shape(const Tensor& logits, const Tensor& values) {
-  return {1, expect_odd_kernel("kernel_gather", logits.size(1)), values.size(1), values.size(2), values.size(3)};
+  return {1, expect_odd_kernel("kernel_gather", logits.size(1)), values.size(1), values.size(2),
+          values.size(3)};
 }
 
 void stage_planes(const FilterShape& shape, const float* picture, const Stretch& at, StagedRows& rows) {
-  stage({picture + at.y * shape.width + at.x, rows.rows(), shape.plane()}, at.count, rows.row(0), rows.pitch());
+  stage({picture + at.y * shape.width + at.x, rows.rows(), shape.plane()}, at.count, rows.row(0),
+        rows.pitch());
 }
 
 class KernelGather : public torch::autograd::Function<KernelGather> {
  public:
-  static Tensor forward(AutogradContext* context, const Tensor& logits, const Tensor& log_n, const Tensor& values,
-                        bool keep) {
+  static Tensor forward(AutogradContext* context, const Tensor& logits, const Tensor& log_n,
+                        const Tensor& values, bool keep) {
     const FilterShape shape = filter_shape(logits, values);
     const Tensor out = at::empty_like(values);
     const Tensor totals =
         keep ? at::empty({values.size(0), 2, shape.height, shape.width}, values.options()) : Tensor();
     const Pictures<float> z(logits);
-    run_gather(shape, values.size(0), Pictures<float>(log_n), Pictures<float>(values),
-               [&] {
-                 return [&](int64_t b, const Stretch& at, StagedRows& rows) {
-                   stage_planes(shape, z[b], at, rows);
-                 };
-               },
-               Pictures<float>(out), Pictures<float>(totals));
+    run_gather(
+        shape, values.size(0), Pictures<float>(log_n), Pictures<float>(values),
+        [&] {
+          return [&](int64_t b, const Stretch& at, StagedRows& rows) { stage_planes(shape, z[b], at, rows); };
+        },
+        Pictures<float>(out), Pictures<float>(totals));
     if (keep) context->save_for_backward({logits, log_n, values, out, totals});
     return out;
   }
@@ -112,7 +114,8 @@ Tensor kernel_gather(const Tensor& logits, const Tensor& log_n, const Tensor& va
   expect_tensor("kernel_gather: log_n", "[B, H, W]", log_n, {batch, height, width}, type);
   expect_tensor("kernel_gather: values", "[B, C, H, W]", values, {batch, kAnySize, height, width}, type);
   const FiniteSources sources = finite_sources(log_n.detach(), values);
-  if (runs_composed(logits)) return unscaled(composed::kernel_gather(logits, sources.log_n, sources.values), sources);
+  if (runs_composed(logits))
+    return unscaled(composed::kernel_gather(logits, sources.log_n, sources.values), sources);
   const bool differentiable =
       at::GradMode::is_enabled() && (logits.requires_grad() || values.requires_grad());
   return unscaled(KernelGather::apply(logits.contiguous(), sources.log_n.contiguous(),

@@ -13,8 +13,8 @@ namespace ld {
 ///
 /// logits [B, K*K, H, W], log_n [B, H, W] (0, or -inf for a pixel that has nothing to give), values
 /// [B, C, H, W], result [B, C, H, W], 0 where nothing is in reach. What is not finite counts as in
-/// ops/kernel_splat.h. Differentiable in logits and values, not in log_n. The bits do not depend on the thread
-/// count. Throws Error on shapes that do not fit.
+/// ops/kernel_splat.h. Differentiable in logits and values, not in log_n. The bits do not depend on the
+/// thread count. Throws Error on shapes that do not fit.
 torch::Tensor kernel_gather(const torch::Tensor& logits, const torch::Tensor& log_n,
                             const torch::Tensor& values);
 

@@ -19,8 +19,8 @@ FilterShape filter_shape(const Tensor& logits, const Tensor& values) {
 
 /// Writes a stretch of logits [B, N, K*K, H, W] to the rows of a tile.
 void stage_logits(const FilterShape& shape, const float* picture, const Stretch& at, StagedRows& rows) {
-  stage({picture + at.y * shape.width + at.x, shape.layers * shape.taps(), shape.plane()}, at.count, rows.row(0),
-        rows.pitch());
+  stage({picture + at.y * shape.width + at.x, shape.layers * shape.taps(), shape.plane()}, at.count,
+        rows.row(0), rows.pitch());
 }
 
 class KernelSplat : public torch::autograd::Function<KernelSplat> {
@@ -41,7 +41,9 @@ class KernelSplat : public torch::autograd::Function<KernelSplat> {
       };
     };
     run_splat(shape, joint, batch, {Pictures<float>(log_n), Pictures<float>(values)}, make_stage,
-              [&](int64_t b) { return SplatResult{o[b], m[b], i[b]}; });
+              [&](int64_t b) {
+                return SplatResult{o[b], m[b], i[b]};
+              });
     if (keep) context->save_for_backward({logits, log_n, values, out, largest, inverse});
     context->saved_data["joint"] = joint;
     return joint ? out : out.view(values.sizes());
@@ -49,8 +51,8 @@ class KernelSplat : public torch::autograd::Function<KernelSplat> {
 
   static variable_list backward(AutogradContext* context, variable_list gradients) {
     const variable_list saved = context->get_saved_variables();
-    const Tensor &logits = saved[0], &log_n = saved[1], &values = saved[2], &out = saved[3], &largest = saved[4],
-                 &inverse = saved[5];
+    const Tensor &logits = saved[0], &log_n = saved[1], &values = saved[2], &out = saved[3],
+                 &largest = saved[4], &inverse = saved[5];
     const bool joint = context->saved_data["joint"].toBool();
     const Tensor gradient = bounded_gradient(gradients[0], values);
     const FilterShape shape = filter_shape(logits, values);

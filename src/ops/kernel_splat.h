@@ -18,9 +18,9 @@ namespace ld {
 ///
 /// logits [B, N, K*K, H, W] (beyond a quarter of the type's range they count as that, NaN as the lowest),
 /// log_n [B, N, H, W] (-inf: sends nothing), values [B, N, C, H, W], result [B, N, C, H, W], 0 where nothing
-/// arrives. A pixel whose log_n or values are NaN or infinite sends nothing in that layer. All of one floating
-/// type. Differentiable in all three; the gradient flows through m_p (at ties, to the first of the largest
-/// taps). The bits do not depend on the thread count. Throws Error on shapes that do not fit.
+/// arrives. A pixel whose log_n or values are NaN or infinite sends nothing in that layer. All of one
+/// floating type. Differentiable in all three; the gradient flows through m_p (at ties, to the first of the
+/// largest taps). The bits do not depend on the thread count. Throws Error on shapes that do not fit.
 torch::Tensor kernel_splat(const torch::Tensor& logits, const torch::Tensor& log_n,
                            const torch::Tensor& values);
 

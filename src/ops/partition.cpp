@@ -27,7 +27,8 @@ struct Problem {
         shape{z.size(1), z.size(2), e.size(2), z.size(3) * z.size(4), alpha} {}
 
   Tensor like(int64_t planes) const {
-    return at::empty({logits.size(0), shape.layers, planes, logits.size(3), logits.size(4)}, logits.options());
+    return at::empty({logits.size(0), shape.layers, planes, logits.size(3), logits.size(4)},
+                     logits.options());
   }
 
   /// Calls body(picture, input, first pixel, count, scratch) for every tile, on all threads.
@@ -39,8 +40,8 @@ struct Problem {
       PartitionScratch scratch(shape);
       for (int64_t i = first; i < last; ++i) {
         const int64_t b = i / tiles, begin = i % tiles * kPartitionPixels;
-        body(b, PartitionInput{z[b], v[b], r[b], e[b]}, begin, std::min(kPartitionPixels, shape.plane - begin),
-             scratch);
+        body(b, PartitionInput{z[b], v[b], r[b], e[b]}, begin,
+             std::min(kPartitionPixels, shape.plane - begin), scratch);
       }
     });
   }
@@ -56,12 +57,13 @@ class SamplePartition : public torch::autograd::Function<SamplePartition> {
     context->saved_data["alpha"] = alpha;
     context->set_materialize_grads(false);
     const Tensor log_n = problem.like(1).squeeze(2), shares = problem.like(3), opacity = problem.like(1),
-                 transmittance = alpha ? problem.like(1) : Tensor(), features = problem.like(problem.shape.embedding);
+                 transmittance = alpha ? problem.like(1) : Tensor(),
+                 features = problem.like(problem.shape.embedding);
     const Pictures<float> n(log_n), r(shares), o(opacity), t(transmittance), e(features);
-    problem.for_each_tile([&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count,
-                              PartitionScratch& scratch) {
-      partition_tile(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, begin, count, scratch);
-    });
+    problem.for_each_tile(
+        [&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count, PartitionScratch& scratch) {
+          partition_tile(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, begin, count, scratch);
+        });
     variable_list results = {log_n, shares, opacity, features};
     if (alpha) results.push_back(transmittance);
     return results;
@@ -80,19 +82,19 @@ class SamplePartition : public torch::autograd::Function<SamplePartition> {
     const Pictures<float> n(gradients[0]), r(gradients[1]), o(gradients[2]), e(gradients[3]),
         t(alpha ? gradients[4] : Tensor());
     const Pictures<float> gz(logits_gradient), gr(radiance_gradient), ge(embedding_gradient);
-    problem.for_each_tile([&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count,
-                              PartitionScratch& scratch) {
-      partition_tile_backward(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, {gz[b], gr[b], ge[b]}, begin,
-                              count, scratch);
-    });
+    problem.for_each_tile(
+        [&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count, PartitionScratch& scratch) {
+          partition_tile_backward(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, {gz[b], gr[b], ge[b]},
+                                  begin, count, scratch);
+        });
     return {logits_gradient, Tensor(), radiance_gradient, embedding_gradient, Tensor()};
   }
 };
 
 }  // namespace
 
-Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& radiance, const Tensor& embedding,
-                    Compositing compositing) {
+Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& radiance,
+                    const Tensor& embedding, Compositing compositing) {
   const auto type = floating_type("partition: logits", logits);
   expect_tensor("partition: logits", "[B, S, N, H, W]", logits,
                 {kAnySize, kAnySize, kAnySize, kAnySize, kAnySize}, type);

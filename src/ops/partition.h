@@ -1,5 +1,5 @@
-// Splatting the samples of each pixel into layers: [MH20] eq. 1 and 2, in ratios to what each layer is divided
-// by when it is composited.
+// Splatting the samples of each pixel into layers: [MH20] eq. 1 and 2, in ratios to what each layer is
+// divided by when it is composited.
 #pragma once
 
 #include <torch/torch.h>
@@ -27,9 +27,9 @@ struct Partition {
 };
 
 /// logits [B, S, N, H, W], valid [B, S, 1, H, W] (0 or not), radiance [B, S, 3, H, W], embedding [B, S, E, H,
-/// W], all of one floating type. A sample whose radiance is NaN or infinite counts as not valid; logits beyond
-/// a quarter of the type's range count as that, NaN as the lowest. Differentiable in all but valid. The bits
-/// do not depend on the thread count. Throws Error on shapes that do not fit.
+/// W], all of one floating type. A sample whose radiance is NaN or infinite counts as not valid; logits
+/// beyond a quarter of the type's range count as that, NaN as the lowest. Differentiable in all but valid.
+/// The bits do not depend on the thread count. Throws Error on shapes that do not fit.
 Partition partition(const torch::Tensor& logits, const torch::Tensor& valid, const torch::Tensor& radiance,
                     const torch::Tensor& embedding, Compositing compositing = Compositing::alpha);
 

@@ -1,5 +1,6 @@
-// Runs the splat of a batch over all threads: strips of source rows, each stretch of logits made by the caller,
-// then the rows of destinations. The strips do not depend on the thread count, so neither do the bits.
+// Runs the splat of a batch over all threads: strips of source rows, each stretch of logits made by the
+// caller, then the rows of destinations. The strips do not depend on the thread count, so neither do the
+// bits.
 #pragma once
 
 #include <ATen/Parallel.h>
@@ -33,7 +34,8 @@ inline void stage_values(const FilterShape& shape, const SplatInput& input, int6
 /// Calls body(stretch) for the stretches of rows [first, last), column by column: the strip's rows that a
 /// stretch reaches stay in the cache for the next row's.
 template <class Body>
-void for_each_stretch(const FilterShape& shape, int64_t pixels, int64_t first, int64_t last, const Body& body) {
+void for_each_stretch(const FilterShape& shape, int64_t pixels, int64_t first, int64_t last,
+                      const Body& body) {
   for (int64_t x = 0; x < shape.width; x += pixels)
     for (int64_t y = first; y < last; ++y) body(Stretch{y, x, std::min(pixels, shape.width - x)});
 }

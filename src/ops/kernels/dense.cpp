@@ -89,7 +89,8 @@ HWY_INLINE void product_panel(const TileProduct& t, int64_t column) {
 void multiply_tile(const TileProduct& t) {
   const int64_t lanes = int64_t(hn::Lanes(D()));
   int64_t column = 0;
-  for (; column + kVectors * lanes <= t.pixels; column += kVectors * lanes) product_panel<kVectors>(t, column);
+  for (; column + kVectors * lanes <= t.pixels; column += kVectors * lanes)
+    product_panel<kVectors>(t, column);
   for (; column < t.pixels; column += lanes) product_panel<1>(t, column);
 }
 
@@ -169,7 +170,8 @@ void outer_product_tile(const TileOuterProduct& t) {
       }
       for (; column < last; ++column)
         for (int64_t r = row; r < std::min(row + kRowBlock, t.outputs); ++r)
-          t.sums[r * t.stride + column] += row_product(t.g + r * t.g_pitch, t.a + column * t.a_pitch, t.pixels);
+          t.sums[r * t.stride + column] +=
+              row_product(t.g + r * t.g_pitch, t.a + column * t.a_pitch, t.pixels);
     }
   }
 }

@@ -1,6 +1,6 @@
-// Products of small weight matrices with tiles of pixels, float32, for every SIMD width (Highway, chosen at run
-// time): the arithmetic of ops/fully_connected.h. A tile is planar, [channels][pitch] with 64-byte aligned rows
-// of a multiple of kPixelStep pixels.
+// Products of small weight matrices with tiles of pixels, float32, for every SIMD width (Highway, chosen at
+// run time): the arithmetic of ops/fully_connected.h. A tile is planar, [channels][pitch] with 64-byte
+// aligned rows of a multiple of kPixelStep pixels.
 #pragma once
 
 #include <hwy/aligned_allocator.h>

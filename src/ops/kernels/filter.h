@@ -63,9 +63,11 @@ class StagedRows {
   Floats memory_;
 };
 
-/// Pixels of a stretch, so that `planes` rows of logits stay near the core: even shares of a row, at most 144.
+/// Pixels of a stretch, so that `planes` rows of logits stay near the core: even shares of a row, at most
+/// 144.
 inline int64_t stretch_pixels(int64_t planes, int64_t width) {
-  const int64_t most = std::clamp<int64_t>((int64_t(1) << 19) / std::max<int64_t>(planes, 1) / 48 * 48, 48, 144);
+  const int64_t most =
+      std::clamp<int64_t>((int64_t(1) << 19) / std::max<int64_t>(planes, 1) / 48 * 48, 48, 144);
   const int64_t parts = (width + most - 1) / most;
   return padded((width + parts - 1) / parts);
 }

@@ -14,8 +14,8 @@ namespace HWY_NAMESPACE {
 /// Calls body(tap, source) for the taps inside the picture's rows: `source` is log n at the vector's first
 /// source; the channels follow, a pitch apart.
 template <class Body>
-HWY_INLINE void for_each_tap(const FilterShape& shape, const GatherSources& sources, const Stretch& at, int64_t x,
-                             const Body& body) {
+HWY_INLINE void for_each_tap(const FilterShape& shape, const GatherSources& sources, const Stretch& at,
+                             int64_t x, const Body& body) {
   for (int64_t dy = 0; dy < shape.kernel; ++dy) {
     const int64_t y = at.y + dy - shape.radius();
     if (y < 0 || y >= shape.height) continue;
@@ -24,7 +24,8 @@ HWY_INLINE void for_each_tap(const FilterShape& shape, const GatherSources& sour
   }
 }
 
-void stretch_forward(const FilterShape& shape, const GatherSources& sources, const Stretch& at, GatherRow& row) {
+void stretch_forward(const FilterShape& shape, const GatherSources& sources, const Stretch& at,
+                     GatherRow& row) {
   const D d;
   for (int64_t x = 0; x < at.count; x += lanes()) {
     // Finite, so that a pixel that receives nothing has no -inf - -inf.
@@ -48,8 +49,8 @@ void stretch_forward(const FilterShape& shape, const GatherSources& sources, con
     for (int64_t c = 0; c < shape.channels; ++c) {
       V sum = hn::Zero(d);
       for_each_tap(shape, sources, at, x, [&](int64_t tap, const float* source) {
-        sum = hn::MulAdd(hn::Load(d, row.logits.row(tap) + x), hn::LoadU(d, source + (1 + c) * sources.pitch()),
-                         sum);
+        sum = hn::MulAdd(hn::Load(d, row.logits.row(tap) + x),
+                         hn::LoadU(d, source + (1 + c) * sources.pitch()), sum);
       });
       hn::Store(hn::IfThenElseZero(arrived, hn::Div(sum, total)), d, row.out.row(c) + x);
     }
@@ -83,8 +84,8 @@ void stretch_backward(const FilterShape& shape, const GatherSources& sources, co
       hn::Store(p, d, z);
       V pull = hn::Zero(d);
       for (int64_t c = 0; c < shape.channels; ++c) {
-        const V difference = hn::Sub(hn::LoadU(d, source + (1 + c) * sources.pitch()),
-                                     hn::Load(d, row.out.row(c) + x));
+        const V difference =
+            hn::Sub(hn::LoadU(d, source + (1 + c) * sources.pitch()), hn::Load(d, row.out.row(c) + x));
         // The probability first: a value of 1e32 that has none must give 0.
         pull = hn::MulAdd(hn::Load(d, row.gradient.row(c) + x), hn::Mul(p, difference), pull);
       }
@@ -103,7 +104,8 @@ void stretch_backward(const FilterShape& shape, const GatherSources& sources, co
   for (int64_t dy = 0; dy < shape.kernel; ++dy) {
     const int64_t y = at.y + dy - radius;
     if (y < 0 || y >= shape.height) continue;
-    for (int64_t c = 0; c < shape.channels; ++c) push_kernel_row(shape, at, dy, c, row, values_gradient->row(c, y));
+    for (int64_t c = 0; c < shape.channels; ++c)
+      push_kernel_row(shape, at, dy, c, row, values_gradient->row(c, y));
   }
 }
 
@@ -121,7 +123,8 @@ GatherSources::GatherSources(const FilterShape& shape)
     : planes_(1 + shape.channels),
       rows_(shape.height * planes_, shape.width, shape.radius() + kPixelStep, 0.0f) {
   for (int64_t y = 0; y < shape.height; ++y)
-    std::fill_n(rows_.row(y * planes_) - row_margin(shape.radius() + kPixelStep), rows_.pitch(), kMinusInfinity);
+    std::fill_n(rows_.row(y * planes_) - row_margin(shape.radius() + kPixelStep), rows_.pitch(),
+                kMinusInfinity);
 }
 
 void GatherSources::fill_row(const FilterShape& shape, const float* log_n, const float* values, int64_t y) {
@@ -132,7 +135,9 @@ void GatherSources::fill_row(const FilterShape& shape, const float* log_n, const
 }
 
 GatherRow::GatherRow(const FilterShape& shape, int64_t pixels)
-    : logits(shape.taps(), pixels, 0, 0.0f), totals(2, pixels, 0, 0.0f), out(shape.channels, pixels, 0, 0.0f) {}
+    : logits(shape.taps(), pixels, 0, 0.0f),
+      totals(2, pixels, 0, 0.0f),
+      out(shape.channels, pixels, 0, 0.0f) {}
 
 GatherStrip::GatherStrip(const FilterShape& shape, int64_t first, int64_t last)
     : begin_(std::max<int64_t>(first - shape.radius(), 0)),
@@ -149,7 +154,8 @@ GatherGradientRow::GatherGradientRow(const FilterShape& shape, int64_t pixels)
 HWY_EXPORT(stretch_forward);
 HWY_EXPORT(stretch_backward);
 
-void gather_stretch(const FilterShape& shape, const GatherSources& sources, const Stretch& at, GatherRow& row) {
+void gather_stretch(const FilterShape& shape, const GatherSources& sources, const Stretch& at,
+                    GatherRow& row) {
   HWY_DYNAMIC_DISPATCH(stretch_forward)(shape, sources, at, row);
 }
 

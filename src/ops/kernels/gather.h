@@ -27,7 +27,8 @@ struct GatherRow {
   StagedRows logits, totals, out;
   GatherRow(const FilterShape& shape, int64_t pixels);
 };
-void gather_stretch(const FilterShape& shape, const GatherSources& sources, const Stretch& at, GatherRow& row);
+void gather_stretch(const FilterShape& shape, const GatherSources& sources, const Stretch& at,
+                    GatherRow& row);
 
 /// Sums towards the gradients of the values of rows [first, last) widened by the kernel.
 class GatherStrip {

@@ -12,8 +12,9 @@ namespace ld {
 namespace HWY_NAMESPACE {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Bound of a product in the gradient of a share. A gradient times a radiance of 3e38 may overflow although the
-// share, with which it is multiplied next, is 0: that must not become NaN. Room for three channels and 64 samples.
+// Bound of a product in the gradient of a share. A gradient times a radiance of 3e38 may overflow although
+// the share, with which it is multiplied next, is 0: that must not become NaN. Room for three channels and 64
+// samples.
 constexpr float kLargestProduct = std::numeric_limits<float>::max() / 1024;
 
 /// A vector of which `count` lanes are in the picture, 0 in the others.
@@ -49,8 +50,8 @@ HWY_INLINE V count_samples(D d, const Tile& tile, const PartitionInput& in, int6
   for (int64_t s = 0; s < tile.shape.samples; ++s) {
     auto counts = hn::Ne(load(d, in.valid + tile.at(s, x), left), hn::Zero(d));
     for (int64_t c = 0; c < 3; ++c)
-      counts = hn::And(counts, hn::Lt(hn::Abs(load(d, in.radiance + tile.at(3 * s + c, x), left)),
-                                      hn::Set(d, kInfinity)));
+      counts = hn::And(
+          counts, hn::Lt(hn::Abs(load(d, in.radiance + tile.at(3 * s + c, x), left)), hn::Set(d, kInfinity)));
     hn::Store(hn::VecFromMask(d, counts), d, scratch.mask.row(s) + x);
     count = hn::Add(count, hn::IfThenElseZero(counts, hn::Set(d, 1.0f)));
   }
@@ -58,8 +59,8 @@ HWY_INLINE V count_samples(D d, const Tile& tile, const PartitionInput& in, int6
 }
 
 /// Eq. 1: log w_s^l and w_s^l / S.
-HWY_INLINE void weights(D d, const Tile& tile, const PartitionInput& in, int64_t x, int64_t left, V inverse_count,
-                        PartitionScratch& scratch) {
+HWY_INLINE void weights(D d, const Tile& tile, const PartitionInput& in, int64_t x, int64_t left,
+                        V inverse_count, PartitionScratch& scratch) {
   const int64_t layers = tile.shape.layers;
   for (int64_t s = 0; s < tile.shape.samples; ++s) {
     V largest = hn::Set(d, kLowestLogit);
@@ -79,8 +80,9 @@ HWY_INLINE void weights(D d, const Tile& tile, const PartitionInput& in, int64_t
     const auto counts = hn::MaskFromVec(hn::Load(d, scratch.mask.row(s) + x));
     for (int64_t l = 0; l < layers; ++l) {
       float* row = scratch.log_w.row(s * layers + l) + x;
-      const V log_w = hn::IfThenElse(counts, hn::Max(hn::Sub(hn::Load(d, row), log_total), hn::Set(d, kLowestLogit)),
-                                     hn::Set(d, -kInfinity));
+      const V log_w =
+          hn::IfThenElse(counts, hn::Max(hn::Sub(hn::Load(d, row), log_total), hn::Set(d, kLowestLogit)),
+                         hn::Set(d, -kInfinity));
       hn::Store(log_w, d, row);
       hn::Store(hn::Mul(exp_negative(d, log_w), inverse_count), d, scratch.weight.row(s * layers + l) + x);
     }
@@ -96,7 +98,8 @@ HWY_INLINE int64_t behind(const PartitionShape& shape, int64_t l) {
   return shape.alpha ? shape.layers : l + 1;
 }
 
-HWY_INLINE Occupancy occupancy(D d, const PartitionShape& shape, int64_t l, int64_t x, const PartitionScratch& scratch) {
+HWY_INLINE Occupancy occupancy(D d, const PartitionShape& shape, int64_t l, int64_t x,
+                               const PartitionScratch& scratch) {
   V largest = hn::Set(d, std::numeric_limits<float>::lowest());
   for (int64_t s = 0; s < shape.samples; ++s)
     for (int64_t k = l; k < behind(shape, l); ++k)
@@ -104,7 +107,8 @@ HWY_INLINE Occupancy occupancy(D d, const PartitionShape& shape, int64_t l, int6
   V total = hn::Zero(d);
   for (int64_t s = 0; s < shape.samples; ++s)
     for (int64_t k = l; k < behind(shape, l); ++k)
-      total = hn::Add(total, exp_negative(d, hn::Sub(hn::Load(d, scratch.log_w.row(s * shape.layers + k) + x), largest)));
+      total = hn::Add(
+          total, exp_negative(d, hn::Sub(hn::Load(d, scratch.log_w.row(s * shape.layers + k) + x), largest)));
   const V inverse = hn::IfThenElseZero(hn::Gt(total, hn::Zero(d)), hn::Div(hn::Set(d, 1.0f), total));
   return {largest, total, inverse};
 }
@@ -118,20 +122,22 @@ HWY_INLINE V share_of(D d, const PartitionShape& shape, const Occupancy& n, int6
 
 /// sums[l][c] = sum over s of factors[s][l] * values[s][c], for one channel and a vector.
 HWY_INLINE void sum_channel(D d, const Tile& tile, StagedRows& factors, const PartitionScratch& scratch,
-                            const float* values, int64_t channels, int64_t c, float* sums, int64_t x, int64_t left) {
+                            const float* values, int64_t channels, int64_t c, float* sums, int64_t x,
+                            int64_t left) {
   const int64_t layers = tile.shape.layers;
   for (int64_t l = 0; l < layers; ++l) {
     V sum = hn::Zero(d);
     for (int64_t s = 0; s < tile.shape.samples; ++s) {
-      const V value = hn::And(load(d, values + tile.at(s * channels + c, x), left), hn::Load(d, scratch.mask.row(s) + x));
+      const V value =
+          hn::And(load(d, values + tile.at(s * channels + c, x), left), hn::Load(d, scratch.mask.row(s) + x));
       sum = hn::MulAdd(hn::Load(d, factors.row(s * layers + l) + x), value, sum);
     }
     store(d, sum, sums + tile.at(l * channels + c, x), left);
   }
 }
 
-void tile_forward(const PartitionShape& shape, const PartitionInput& in, const PartitionOutput& out, int64_t begin,
-                  int64_t count, PartitionScratch& scratch) {
+void tile_forward(const PartitionShape& shape, const PartitionInput& in, const PartitionOutput& out,
+                  int64_t begin, int64_t count, PartitionScratch& scratch) {
   const D d;
   const Tile tile{shape, begin, count};
   tile.each([&](int64_t x, int64_t left) {
@@ -188,8 +194,10 @@ HWY_INLINE void layer_backward(D d, const Tile& tile, const PartitionInput& in, 
   for (int64_t s = 0; s < shape.samples; ++s) {
     V pull = of_opacity;
     for (int64_t c = 0; c < 3; ++c) {
-      const V value = hn::And(load(d, in.radiance + tile.at(3 * s + c, x), left), hn::Load(d, scratch.mask.row(s) + x));
-      pull = hn::Add(pull, bounded_product(d, load_gradient(d, from.radiance, tile.at(3 * l + c, x), left), value));
+      const V value =
+          hn::And(load(d, in.radiance + tile.at(3 * s + c, x), left), hn::Load(d, scratch.mask.row(s) + x));
+      pull = hn::Add(pull,
+                     bounded_product(d, load_gradient(d, from.radiance, tile.at(3 * l + c, x), left), value));
     }
     const V share = share_of(d, shape, n, s, l, x, scratch);
     hn::Store(share, d, scratch.share.row(s * shape.layers + l) + x);
@@ -203,22 +211,25 @@ HWY_INLINE void layer_backward(D d, const Tile& tile, const PartitionInput& in, 
   for (int64_t s = 0; s < shape.samples; ++s)
     for (int64_t k = l; k < behind(shape, l); ++k) {
       float* to = scratch.gradient.row(s * shape.layers + k) + x;
-      const V pull = k == l ? hn::Load(d, scratch.gradient.row(shape.samples * shape.layers + s) + x) : of_transmittance;
-      hn::Store(hn::MulAdd(share_of(d, shape, n, s, k, x, scratch), hn::Add(pull, offset), hn::Load(d, to)), d, to);
+      const V pull =
+          k == l ? hn::Load(d, scratch.gradient.row(shape.samples * shape.layers + s) + x) : of_transmittance;
+      hn::Store(hn::MulAdd(share_of(d, shape, n, s, k, x, scratch), hn::Add(pull, offset), hn::Load(d, to)),
+                d, to);
     }
 }
 
 /// Embedding: its gradient to the samples, and its pull on the weights.
-HWY_INLINE void embedding_backward(D d, const Tile& tile, const PartitionInput& in, const PartitionGradient& from,
-                                   const PartitionInputGradient& to, int64_t s, int64_t x, int64_t left,
-                                   PartitionScratch& scratch) {
+HWY_INLINE void embedding_backward(D d, const Tile& tile, const PartitionInput& in,
+                                   const PartitionGradient& from, const PartitionInputGradient& to, int64_t s,
+                                   int64_t x, int64_t left, PartitionScratch& scratch) {
   const int64_t layers = tile.shape.layers, channels = tile.shape.embedding;
   for (int64_t l = 0; l < layers; ++l) {
     const V weight = hn::Load(d, scratch.weight.row(s * layers + l) + x);
     V pull = hn::Zero(d);
     for (int64_t c = 0; c < channels; ++c) {
       const V g = load(d, from.embedding + tile.at(l * channels + c, x), left);
-      const V value = hn::And(load(d, in.embedding + tile.at(s * channels + c, x), left), hn::Load(d, scratch.mask.row(s) + x));
+      const V value = hn::And(load(d, in.embedding + tile.at(s * channels + c, x), left),
+                              hn::Load(d, scratch.mask.row(s) + x));
       pull = hn::MulAdd(g, value, pull);
       if (to.embedding == nullptr) continue;
       float* out = to.embedding + tile.at(s * channels + c, x);
@@ -230,7 +241,8 @@ HWY_INLINE void embedding_backward(D d, const Tile& tile, const PartitionInput& 
 }
 
 void tile_backward(const PartitionShape& shape, const PartitionInput& in, const PartitionGradient& from,
-                   const PartitionInputGradient& to, int64_t begin, int64_t count, PartitionScratch& scratch) {
+                   const PartitionInputGradient& to, int64_t begin, int64_t count,
+                   PartitionScratch& scratch) {
   const D d;
   const Tile tile{shape, begin, count};
   const int64_t layers = shape.layers;
@@ -239,7 +251,8 @@ void tile_backward(const PartitionShape& shape, const PartitionInput& in, const 
     const V samples = count_samples(d, tile, in, x, left, scratch);
     inverse_count = hn::IfThenElseZero(hn::Gt(samples, hn::Zero(d)), hn::Div(hn::Set(d, 1.0f), samples));
     weights(d, tile, in, x, left, inverse_count, scratch);
-    for (int64_t k = 0; k < shape.samples * layers; ++k) hn::Store(hn::Zero(d), d, scratch.gradient.row(k) + x);
+    for (int64_t k = 0; k < shape.samples * layers; ++k)
+      hn::Store(hn::Zero(d), d, scratch.gradient.row(k) + x);
     for (int64_t l = 0; l < layers; ++l) layer_backward(d, tile, in, from, l, x, left, scratch);
   });
   for (int64_t s = 0; s < shape.samples; ++s)
@@ -253,7 +266,8 @@ void tile_backward(const PartitionShape& shape, const PartitionInput& in, const 
   tile.each([&](int64_t x, int64_t left) {
     for (int64_t s = 0; s < shape.samples; ++s) {
       V total = hn::Zero(d);
-      for (int64_t l = 0; l < layers; ++l) total = hn::Add(total, hn::Load(d, scratch.gradient.row(s * layers + l) + x));
+      for (int64_t l = 0; l < layers; ++l)
+        total = hn::Add(total, hn::Load(d, scratch.gradient.row(s * layers + l) + x));
       for (int64_t l = 0; l < layers; ++l) {
         // Back through the log-softmax of eq. 1; a sample that does not count has gradients and w of 0.
         const V w = exp_negative(d, hn::Load(d, scratch.log_w.row(s * layers + l) + x));
@@ -294,9 +308,9 @@ void partition_tile(const PartitionShape& shape, const PartitionInput& in, const
   HWY_DYNAMIC_DISPATCH(tile_forward)(shape, in, out, begin, count, scratch);
 }
 
-void partition_tile_backward(const PartitionShape& shape, const PartitionInput& in, const PartitionGradient& from,
-                             const PartitionInputGradient& to, int64_t begin, int64_t count,
-                             PartitionScratch& scratch) {
+void partition_tile_backward(const PartitionShape& shape, const PartitionInput& in,
+                             const PartitionGradient& from, const PartitionInputGradient& to, int64_t begin,
+                             int64_t count, PartitionScratch& scratch) {
   HWY_DYNAMIC_DISPATCH(tile_backward)(shape, in, from, to, begin, count, scratch);
 }
 

@@ -1,5 +1,5 @@
-// Inner loops of ops/partition.h for one picture, float32, for every SIMD width (Highway): a tile of pixels at
-// a time, one pass over its samples. Arrays are planar, [...][plane].
+// Inner loops of ops/partition.h for one picture, float32, for every SIMD width (Highway): a tile of pixels
+// at a time, one pass over its samples. Arrays are planar, [...][plane].
 #pragma once
 
 #include "ops/kernels/filter.h"
@@ -50,8 +50,8 @@ struct PartitionScratch {
 /// Pixels [begin, begin + count), count <= kPartitionPixels.
 void partition_tile(const PartitionShape& shape, const PartitionInput& in, const PartitionOutput& out,
                     int64_t begin, int64_t count, PartitionScratch& scratch);
-void partition_tile_backward(const PartitionShape& shape, const PartitionInput& in, const PartitionGradient& from,
-                             const PartitionInputGradient& to, int64_t begin, int64_t count,
-                             PartitionScratch& scratch);
+void partition_tile_backward(const PartitionShape& shape, const PartitionInput& in,
+                             const PartitionGradient& from, const PartitionInputGradient& to, int64_t begin,
+                             int64_t count, PartitionScratch& scratch);
 
 }  // namespace ld

@@ -33,7 +33,8 @@ HWY_INLINE V largest_logit(D d, StagedRows& logits, int64_t x, int32_t* argmax) 
 }
 
 template <bool kArgmax>
-HWY_INLINE void exponents(const FilterShape& shape, SplatSourcesRow& sources, int64_t count, int32_t* argmax) {
+HWY_INLINE void exponents(const FilterShape& shape, SplatSourcesRow& sources, int64_t count,
+                          int32_t* argmax) {
   const D d;
   for (int64_t x = 0; x < count; x += lanes()) {
     const V largest = largest_logit<kArgmax>(d, sources.logits, x, argmax);
@@ -97,23 +98,24 @@ HWY_INLINE void add_kernel_row(const FilterShape& shape, const SplatSourcesRow& 
     hn::StoreU(total, d, to + pitch + x);
     int64_t c = 0;
     for (; c + kBlock <= shape.channels; c += kBlock)
-      add_channels<kBlock>(d, shape, weights, v + c * sources.values.pitch() + x, sources.values.pitch(), rescale,
-                           to + (2 + c) * pitch + x, pitch);
+      add_channels<kBlock>(d, shape, weights, v + c * sources.values.pitch() + x, sources.values.pitch(),
+                           rescale, to + (2 + c) * pitch + x, pitch);
     for (; c < shape.channels; ++c)
       add_channels<1>(d, shape, weights, v + c * sources.values.pitch() + x, sources.values.pitch(), rescale,
                       to + (2 + c) * pitch + x, pitch);
   }
 }
 
-void add_stretch(const FilterShape& shape, const SplatSourcesRow& sources, const Stretch& at, SplatStrip& strip) {
+void add_stretch(const FilterShape& shape, const SplatSourcesRow& sources, const Stretch& at,
+                 SplatStrip& strip) {
   for (int64_t layer = 0; layer < shape.layers; ++layer)
     for (int64_t dy = 0; dy < shape.kernel; ++dy)
       if (strip.holds(at.y + dy - shape.radius())) add_kernel_row(shape, sources, at, layer, dy, strip);
 }
 
 /// Row y of one layer from the strips that hold it, in their order.
-void merge_layer_row(const FilterShape& shape, int64_t layer, const std::vector<SplatStrip*>& strips, int64_t y,
-                     const SplatResult& result) {
+void merge_layer_row(const FilterShape& shape, int64_t layer, const std::vector<SplatStrip*>& strips,
+                     int64_t y, const SplatResult& result) {
   const D d;
   const int64_t plane = shape.plane(), row = y * shape.width;
   float* HWY_RESTRICT out = result.out + layer * shape.channels * plane + row;
@@ -263,7 +265,8 @@ SplatStrip::SplatStrip(const FilterShape& shape, bool joint, int64_t first, int6
       rows_((joint ? 1 : shape.layers) * (end_ - begin_) * planes_, shape.width, 2 * shape.radius(), 0.0f) {
   // The largest exponent so far: below all others, and finite, so that differences are no NaN.
   for (int64_t r = 0; r < rows_.rows(); r += planes_)
-    std::fill_n(rows_.row(r) - row_margin(2 * shape.radius()), rows_.pitch(), std::numeric_limits<float>::lowest());
+    std::fill_n(rows_.row(r) - row_margin(2 * shape.radius()), rows_.pitch(),
+                std::numeric_limits<float>::lowest());
 }
 
 SplatSourcesRow::SplatSourcesRow(const FilterShape& shape, int64_t pixels)
@@ -289,8 +292,8 @@ SplatDestinations::SplatDestinations(const FilterShape& shape, bool joint)
                 std::numeric_limits<float>::max());
 }
 
-void SplatDestinations::fill_row(const SplatResult& saved, const float* gradient, int64_t width, int64_t layers,
-                                 int64_t y) {
+void SplatDestinations::fill_row(const SplatResult& saved, const float* gradient, int64_t width,
+                                 int64_t layers, int64_t y) {
   const int64_t plane = height_ * width, offset = y * width;
   for (int64_t l = 0; l < (joint_ ? 1 : layers); ++l) {
     float* to = row(l, y);

@@ -54,8 +54,8 @@ struct SplatResult {
 void merge_row(const FilterShape& shape, bool joint, const std::vector<SplatStrip*>& strips, int64_t y,
                const SplatResult& result);
 
-/// Destinations with margins for the backward pass: [layers or 1][H] rows of the largest exponent, the inverse
-/// weight, and each channel's gradient and result.
+/// Destinations with margins for the backward pass: [layers or 1][H] rows of the largest exponent, the
+/// inverse weight, and each channel's gradient and result.
 class SplatDestinations {
  public:
   SplatDestinations(const FilterShape& shape, bool joint);
@@ -73,9 +73,9 @@ class SplatDestinations {
 
 /// Scratch of splat_stretch_backward.
 struct SplatGradientRow {
-  StagedRows logits;       // [layers * taps]: the result, at a stretch
-  StagedRows log_n;        // [layers]
-  StagedRows values;       // [layers * channels]
+  StagedRows logits;  // [layers * taps]: the result, at a stretch
+  StagedRows log_n;   // [layers]
+  StagedRows values;  // [layers * channels]
   std::vector<int32_t> argmax;
   SplatGradientRow(const FilterShape& shape, int64_t pixels);
 };

@@ -95,8 +95,7 @@ void TileNetwork::forward(Scratch& s, int64_t pixels, float* out, int64_t out_pi
 
 void TileNetwork::backward(Scratch& s, int64_t pixels, const Sums& sums, bool want_x) const {
   const int64_t count = padded(pixels);
-  if (activated(depth() - 1))
-    leaky_relu_backward(s.a.back(), s.g.back(), outputs(), s.pitch, count);
+  if (activated(depth() - 1)) leaky_relu_backward(s.a.back(), s.g.back(), outputs(), s.pitch, count);
   for (int64_t i = depth() - 1; i >= 0; --i) {
     const size_t layer = size_t(i);
     const int64_t inputs = forward_[layer].inputs, layer_outputs = layers_[layer].outputs;

@@ -36,9 +36,10 @@ class TileNetwork {
   struct Scratch {
     Floats memory;
     int64_t pitch = 0;
-    float *x = nullptr, *shared = nullptr, *shared_sum = nullptr;  // shared_sum: the first layer's shared part
-    std::vector<float*> a;                                         // results of the layers
-    std::vector<float*> g;                                         // gradients of the layers' sums
+    float *x = nullptr, *shared = nullptr,
+          *shared_sum = nullptr;  // shared_sum: the first layer's shared part
+    std::vector<float*> a;        // results of the layers
+    std::vector<float*> g;        // gradients of the layers' sums
     float *x_gradient = nullptr, *first_gradient = nullptr, *shared_gradient = nullptr;
   };
   Scratch make_scratch(int64_t pixels, bool backward) const;
@@ -53,8 +54,8 @@ class TileNetwork {
   struct Sums {
     std::vector<float*> weights, biases;
   };
-  /// After forward(): the gradient of the result is in scratch.g.back(). Adds to `sums`, adds the first layer's
-  /// to scratch.first_gradient (zeroed by begin_tile), and writes scratch.x_gradient where wanted.
+  /// After forward(): the gradient of the result is in scratch.g.back(). Adds to `sums`, adds the first
+  /// layer's to scratch.first_gradient (zeroed by begin_tile), and writes scratch.x_gradient where wanted.
   void backward(Scratch& scratch, int64_t pixels, const Sums& sums, bool want_x) const;
 
   /// Once a tile, after all of its backward(): the shared part; writes scratch.shared_gradient where wanted.
