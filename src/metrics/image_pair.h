@@ -3,16 +3,15 @@
 // Domain of all metrics: denoised and reference are [3, H, W], linear scene-referred radiance, H and W at
 // least 1.
 //   - Any finite float is fine, up to 3.4e38 and down to denormals: sums and squares are taken in double.
-//   (Programs that
-//     let the CPU flush denormals, as those with LibTorch do, see 1e-39 as 0, which no score can tell.)
+//     (Programs that let the CPU flush denormals, as those with LibTorch do, see 1e-39 as 0, which no score
+//     can tell.)
 //   - relMSE and SMAPE take negative values as they are; on tone-mapped values (PSNR, SSIM) they count as
-//   black.
+//     black.
 //   - A NaN or an infinity anywhere in the denoised picture makes every metric NaN. Were each pixel to follow
-//   its formula,
-//     the clamp of the tone map would turn it into plain black or white, and a broken denoiser would score
-//     like a good one.
+//     its formula, the clamp of the tone map would turn it into plain black or white, and a broken denoiser
+//     would score like a good one.
 //   - A NaN or an infinity in the reference, sizes that differ, another number of channels or no pixel at
-//   all: Error.
+//     all: Error.
 #pragma once
 
 #include <cstdint>
