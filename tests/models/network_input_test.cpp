@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 
 #include "losses/loss.h"
+#include "ops/composition.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
 
@@ -114,25 +116,29 @@ TEST(NetworkInput, GoodInputIsNotCopied) {
   EXPECT_EQ(found.radiance.data_ptr(), input.radiance.data_ptr());
 }
 
+void expect_finite(const NetworkConfig& config, double extreme, const std::string& loss) {
+  const auto network = small_network(config, torch::kFloat32);
+  NetworkInput input = random_input(config, 1, 3, 5, 6, torch::kFloat32);
+  const Tensor where = random_uniform({1, 3, 1, 5, 6}, 8).gt(0.7).logical_and(input.valid.ne(0));
+  input.radiance = input.radiance.masked_fill(where, extreme);
+  input.features = input.features.masked_fill(where, -extreme);
+  const Tensor output = network->forward(input);
+  make_loss(loss)(output, torch::ones_like(output)).backward();
+  EXPECT_TRUE(all_finite(output)) << title(config) << " " << extreme;
+  for (const auto& entry : network->named_parameters())
+    EXPECT_TRUE(all_finite(entry.value().grad()))
+        << title(config) << " " << loss << " " << extreme << " " << entry.key();
+}
+
 TEST(NetworkInput, ExtremesStayFinite) {
-  for (const NetworkConfig& config : every_config())
-    for (const double extreme :
-         {0.0, 1e-40, 1e-38, 65504.0, 1e30, 3e38, -100.0, kNan, kInfinity, -kInfinity}) {
-      const auto network = small_network(config, torch::kFloat32);
-      NetworkInput input = random_input(config, 1, 3, 5, 6, torch::kFloat32);
-      const Tensor where = random_uniform({1, 3, 1, 5, 6}, 8).gt(0.7).logical_and(input.valid.ne(0));
-      input.radiance = input.radiance.masked_fill(where, extreme);
-      input.features = input.features.masked_fill(where, -extreme);
-      for (const std::string& name : loss_names()) {
-        network->zero_grad();
-        const Tensor output = network->forward(input);
-        make_loss(name)(output, torch::ones_like(output)).backward();
-        EXPECT_TRUE(all_finite(output)) << title(config) << " " << extreme;
-        for (const auto& entry : network->named_parameters())
-          EXPECT_TRUE(all_finite(entry.value().grad()))
-              << title(config) << " " << name << " " << extreme << " " << entry.key();
-      }
-    }
+  for (const bool compose : {false, true}) {
+    std::optional<ComposedOperators> composed;  // whose sums are not bounded by the operators themselves
+    if (compose) composed.emplace();
+    for (const NetworkConfig& config : every_config())
+      for (const double extreme :
+           {0.0, 1e-40, 1e-38, 65504.0, 1e30, 3e38, -100.0, kNan, kInfinity, -kInfinity})
+        for (const std::string& loss : loss_names()) expect_finite(config, extreme, loss);
+  }
 }
 
 TEST(NetworkInput, BadShapesAreErrors) {
