@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "ops/memory_pool.h"
 
 namespace ld {
 namespace {
@@ -31,6 +32,7 @@ double status_mb(const std::string& key) {
 }  // namespace
 
 double peak_memory_mb(const std::function<void()>& work) {
+  release_memory_pool();
   malloc_trim(0);
   std::ofstream clear(kClear);
   clear << 5 << std::flush;  // proc(5): "reset the peak resident set size"

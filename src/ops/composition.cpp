@@ -69,6 +69,10 @@ ComposedOperators::~ComposedOperators() {
   compose = before_;
 }
 
+bool composed_operators() {
+  return compose;
+}
+
 bool runs_composed(const Tensor& tensor) {
   return compose || tensor.scalar_type() != torch::kFloat32 || !tensor.device().is_cpu();
 }

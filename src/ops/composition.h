@@ -10,7 +10,8 @@
 
 namespace ld {
 
-/// While one lives, the operators of this thread run as compositions, also for float32 on the CPU.
+/// While one lives, the operators of this thread run as compositions, also for float32 on the CPU, and tensors
+/// come from LibTorch's own allocator (ops/memory_pool.h).
 class ComposedOperators {
  public:
   ComposedOperators();
@@ -21,6 +22,9 @@ class ComposedOperators {
  private:
   bool before_;
 };
+
+/// Whether one lives in this thread.
+bool composed_operators();
 
 /// Whether an operator on `tensor` is to run as a composition: doubles, other devices, ComposedOperators.
 bool runs_composed(const torch::Tensor& tensor);

@@ -8,6 +8,7 @@
 
 #include "core/log.h"
 #include "ops/blas_kernels.h"
+#include "ops/memory_pool.h"
 
 namespace ld {
 namespace {
@@ -31,6 +32,7 @@ double sgemm_gflops() {
 
 void configure_runtime(int threads) {
   choose_blas_kernels();
+  use_memory_pool();
   at::set_num_threads(1);
   const double gflops = sgemm_gflops();
   at::set_num_threads(threads);
