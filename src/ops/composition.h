@@ -10,8 +10,8 @@
 
 namespace ld {
 
-/// While one lives, the operators of this thread run as compositions, also for float32 on the CPU, and tensors
-/// come from LibTorch's own allocator (ops/memory_pool.h).
+/// While one lives, the operators of this thread run as compositions, also for float32 on the CPU, and
+/// tensors come from LibTorch's own allocator (ops/memory_pool.h).
 class ComposedOperators {
  public:
   ComposedOperators();

@@ -1,6 +1,6 @@
 // Large tensors from memory that earlier ones gave back. The system's allocator returns them to the kernel,
-// and taking them anew costs a page fault for every 4 kB: half the time of an operator that is bound by memory,
-// a tenth of a training step.
+// and taking them anew costs a page fault for every 4 kB: half the time of an operator that is bound by
+// memory, a tenth of a training step.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,7 @@
 #include "ops/kernels/dense.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
@@ -209,6 +211,22 @@ void leaky_relu_backward_tile(const float* HWY_RESTRICT a, float* HWY_RESTRICT g
     }
 }
 
+void stream_rows_tile(const float* HWY_RESTRICT from, int64_t pitch, int64_t rows, int64_t pixels,
+                      float* HWY_RESTRICT to, int64_t stride) {
+  const D d;
+  const int64_t lanes = int64_t(hn::Lanes(d));
+  const bool aligned =
+      reinterpret_cast<uintptr_t>(to) % (size_t(lanes) * sizeof(float)) == 0 && stride % lanes == 0;
+  for (int64_t r = 0; r < rows; ++r) {
+    int64_t p = 0;
+    if (aligned)
+      for (; p + lanes <= pixels; p += lanes)
+        hn::Stream(hn::Load(d, from + r * pitch + p), d, to + r * stride + p);
+    std::copy(from + r * pitch + p, from + r * pitch + pixels, to + r * stride + p);
+  }
+  hwy::FlushStream();
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ld
 HWY_AFTER_NAMESPACE();
@@ -233,6 +251,7 @@ HWY_EXPORT(outer_product_tile);
 HWY_EXPORT(row_sums_tile);
 HWY_EXPORT(add_rows_tile);
 HWY_EXPORT(leaky_relu_backward_tile);
+HWY_EXPORT(stream_rows_tile);
 
 void multiply(const TileProduct& product) {
   HWY_DYNAMIC_DISPATCH(multiply_tile)(product);
@@ -252,6 +271,10 @@ void add_rows(const float* g, int64_t rows, int64_t pitch, int64_t pixels, float
 
 void leaky_relu_backward(const float* a, float* g, int64_t rows, int64_t pitch, int64_t pixels) {
   HWY_DYNAMIC_DISPATCH(leaky_relu_backward_tile)(a, g, rows, pitch, pixels);
+}
+
+void stream_rows(const float* from, int64_t pitch, int64_t rows, int64_t pixels, float* to, int64_t stride) {
+  HWY_DYNAMIC_DISPATCH(stream_rows_tile)(from, pitch, rows, pixels, to, stride);
 }
 
 }  // namespace ld

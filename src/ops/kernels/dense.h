@@ -76,4 +76,8 @@ void leaky_relu_backward(const float* a, float* g, int64_t rows, int64_t pitch, 
 /// total += g over all rows of a tile.
 void add_rows(const float* g, int64_t rows, int64_t pitch, int64_t pixels, float* total);
 
+/// Copies `pixels` floats of each row to memory that will not be read soon: past the caches where it is
+/// aligned to whole vectors.
+void stream_rows(const float* from, int64_t pitch, int64_t rows, int64_t pixels, float* to, int64_t stride);
+
 }  // namespace ld

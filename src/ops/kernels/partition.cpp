@@ -218,26 +218,34 @@ HWY_INLINE void layer_backward(D d, const Tile& tile, const PartitionInput& in, 
     }
 }
 
-/// Embedding: its gradient to the samples, and its pull on the weights.
+/// Embedding of one sample: its gradient, and its pull on the weights. Channel by channel, so that each plane
+/// is read along its row.
 HWY_INLINE void embedding_backward(D d, const Tile& tile, const PartitionInput& in,
                                    const PartitionGradient& from, const PartitionInputGradient& to, int64_t s,
-                                   int64_t x, int64_t left, PartitionScratch& scratch) {
+                                   PartitionScratch& scratch) {
   const int64_t layers = tile.shape.layers, channels = tile.shape.embedding;
-  for (int64_t l = 0; l < layers; ++l) {
-    const V weight = hn::Load(d, scratch.weight.row(s * layers + l) + x);
-    V pull = hn::Zero(d);
-    for (int64_t c = 0; c < channels; ++c) {
-      const V g = load(d, from.embedding + tile.at(l * channels + c, x), left);
+  for (int64_t l = 0; l < layers; ++l) std::fill_n(scratch.pull.row(l), kPartitionPixels, 0.0f);
+  for (int64_t c = 0; c < channels; ++c)
+    tile.each([&](int64_t x, int64_t left) {
       const V value = hn::And(load(d, in.embedding + tile.at(s * channels + c, x), left),
                               hn::Load(d, scratch.mask.row(s) + x));
-      pull = hn::MulAdd(g, value, pull);
-      if (to.embedding == nullptr) continue;
-      float* out = to.embedding + tile.at(s * channels + c, x);
-      store(d, l == 0 ? hn::Mul(weight, g) : hn::MulAdd(weight, g, load(d, out, left)), out, left);
+      V sum = hn::Zero(d);
+      for (int64_t l = 0; l < layers; ++l) {
+        const V g = load(d, from.embedding + tile.at(l * channels + c, x), left);
+        float* pull = scratch.pull.row(l) + x;
+        hn::Store(hn::MulAdd(g, value, hn::Load(d, pull)), d, pull);
+        sum = hn::MulAdd(hn::Load(d, scratch.weight.row(s * layers + l) + x), g, sum);
+      }
+      if (to.embedding != nullptr) store(d, sum, to.embedding + tile.at(s * channels + c, x), left);
+    });
+  tile.each([&](int64_t x, int64_t) {
+    for (int64_t l = 0; l < layers; ++l) {
+      float* gradient = scratch.gradient.row(s * layers + l) + x;
+      hn::Store(hn::MulAdd(hn::Load(d, scratch.weight.row(s * layers + l) + x),
+                           hn::Load(d, scratch.pull.row(l) + x), hn::Load(d, gradient)),
+                d, gradient);
     }
-    float* gradient = scratch.gradient.row(s * layers + l) + x;
-    hn::Store(hn::MulAdd(weight, pull, hn::Load(d, gradient)), d, gradient);
-  }
+  });
 }
 
 void tile_backward(const PartitionShape& shape, const PartitionInput& in, const PartitionGradient& from,
@@ -246,23 +254,23 @@ void tile_backward(const PartitionShape& shape, const PartitionInput& in, const 
   const D d;
   const Tile tile{shape, begin, count};
   const int64_t layers = shape.layers;
-  V inverse_count = hn::Zero(d);
   tile.each([&](int64_t x, int64_t left) {
     const V samples = count_samples(d, tile, in, x, left, scratch);
-    inverse_count = hn::IfThenElseZero(hn::Gt(samples, hn::Zero(d)), hn::Div(hn::Set(d, 1.0f), samples));
+    const V inverse_count =
+        hn::IfThenElseZero(hn::Gt(samples, hn::Zero(d)), hn::Div(hn::Set(d, 1.0f), samples));
     weights(d, tile, in, x, left, inverse_count, scratch);
     for (int64_t k = 0; k < shape.samples * layers; ++k)
       hn::Store(hn::Zero(d), d, scratch.gradient.row(k) + x);
     for (int64_t l = 0; l < layers; ++l) layer_backward(d, tile, in, from, l, x, left, scratch);
   });
-  for (int64_t s = 0; s < shape.samples; ++s)
-    tile.each([&](int64_t x, int64_t left) {
-      if (from.embedding != nullptr)
-        embedding_backward(d, tile, in, from, to, s, x, left, scratch);
-      else if (to.embedding != nullptr)
-        for (int64_t c = 0; c < shape.embedding; ++c)
-          store(d, hn::Zero(d), to.embedding + tile.at(s * shape.embedding + c, x), left);
-    });
+  for (int64_t s = 0; s < shape.samples; ++s) {
+    if (from.embedding != nullptr) {
+      embedding_backward(d, tile, in, from, to, s, scratch);
+    } else if (to.embedding != nullptr) {
+      for (int64_t c = 0; c < shape.embedding; ++c)
+        std::fill_n(to.embedding + tile.at(s * shape.embedding + c, 0), count, 0.0f);
+    }
+  }
   tile.each([&](int64_t x, int64_t left) {
     for (int64_t s = 0; s < shape.samples; ++s) {
       V total = hn::Zero(d);
@@ -298,6 +306,7 @@ PartitionScratch::PartitionScratch(const PartitionShape& shape)
       share(shape.samples * shape.layers, kPartitionPixels, 0, 0.0f),
       weight(shape.samples * shape.layers, kPartitionPixels, 0, 0.0f),
       gradient(shape.samples * (shape.layers + 1), kPartitionPixels, 0, 0.0f),
+      pull(shape.layers, kPartitionPixels, 0, 0.0f),
       mask(shape.samples, kPartitionPixels, 0, 0.0f) {}
 
 HWY_EXPORT(tile_forward);

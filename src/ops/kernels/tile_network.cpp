@@ -14,8 +14,7 @@ void stage(const Planes& from, int64_t pixels, float* to, int64_t pitch) {
 }
 
 void unstage(const float* from, int64_t pitch, int64_t rows, int64_t pixels, float* to, int64_t stride) {
-  for (int64_t r = 0; r < rows; ++r)
-    std::memcpy(to + r * stride, from + r * pitch, size_t(pixels) * sizeof(float));
+  stream_rows(from, pitch, rows, pixels, to, stride);
 }
 
 TileNetwork::TileNetwork(std::vector<Layer> layers, int64_t x_inputs, bool activate_last, bool for_backward)
