@@ -23,9 +23,10 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-Measurement measure_against_composition(const std::function<void()>& work, const MeasureOptions& options) {
+Measurement measure_against_composition(const Workload& workload, const MeasureOptions& options) {
+  const std::function<void()>& work = workload.run;
   const auto composed = [&] {
-    const ComposedOperators scope;
+    const ComposedOperators scope(workload.baseline);
     work();
   };
   Measurement result;
@@ -48,6 +49,10 @@ Measurement measure_against_composition(const std::function<void()>& work, const
   }
   result.ms = median(ours);
   result.baseline_ms = median(theirs);
+  if (workload.baseline == Taps::sliced) {
+    const ComposedOperators scope;
+    result.at_once_ms = median_ms(work, 3);
+  }
   return result;
 }
 

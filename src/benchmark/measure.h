@@ -4,12 +4,15 @@
 #include <functional>
 #include <vector>
 
+#include "ops/composition.h"
+
 namespace ld {
 
 /// What is timed: the operators of the library, or, under ComposedOperators, their LibTorch composition.
 struct Workload {
   std::function<void()> run;
-  double multiply_adds = 0;  // of one run
+  double multiply_adds = 0;       // of one run
+  Taps baseline = Taps::at_once;  // how the composition is written (ops/composition.h)
 };
 
 struct MeasureOptions {
@@ -19,13 +22,14 @@ struct MeasureOptions {
 
 struct Measurement {
   double ms = 0, baseline_ms = 0;  // medians
+  double at_once_ms = 0;  // of the composition with Taps::at_once, where the baseline is the other one
   int repeats = 0, baseline_repeats = 0;
   double peak_mb = 0, baseline_peak_mb = 0;  // benchmark/peak_memory.h
 };
 
-/// Runs `work` and its composition in turns, so that both see the same machine, after a warm-up of each.
+/// Runs the work and its composition in turns, so that both see the same machine, after a warm-up of each.
 /// Peak memory is that of one run more of ours, and of the baseline's warm-up.
-Measurement measure_against_composition(const std::function<void()>& work, const MeasureOptions& options);
+Measurement measure_against_composition(const Workload& workload, const MeasureOptions& options);
 
 /// The time of one run, in ms.
 double time_ms(const std::function<void()>& work);

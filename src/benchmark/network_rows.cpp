@@ -50,7 +50,7 @@ Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t sid
   const auto run = [network, input, reference, loss = make_loss("smape")] {
     torch::autograd::grad({loss(network->forward(input), reference)}, network->parameters());
   };
-  return {run, multiply_adds(config, spp, side, side).training()};
+  return {run, multiply_adds(config, spp, side, side).training(), Taps::sliced};
 }
 
 std::vector<RowSpec> network_rows(const BenchSizes& sizes) {

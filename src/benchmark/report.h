@@ -24,7 +24,8 @@ std::vector<BenchRow> run_rows(const std::vector<RowSpec>& specs, const std::vec
                                const MeasureOptions& options, double sgemm_gflops);
 
 /// {"name", "ms", "baseline_ms", "speedup", "sgemm_share", "peak_mb", "baseline_peak_mb", "repeats",
-///  "baseline_repeats", "multiply_adds"}
+///  "baseline_repeats", "multiply_adds"}; where the composition takes slices of the logits, also
+///  "baseline_taps_at_once_ms", the time of the one that does not
 nlohmann::ordered_json to_json(const BenchRow& row);
 
 std::string markdown_rows(const std::vector<BenchRow>& rows);

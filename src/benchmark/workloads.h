@@ -41,7 +41,8 @@ NetworkInput bench_input(const NetworkConfig& config, int64_t spp, int64_t side)
 std::shared_ptr<Network> bench_network(const NetworkConfig& config);
 
 /// One forward pass without gradients; and one with the SMAPE loss and the gradients of all weights, without
-/// the optimiser's step. Pictures of side x side pixels.
+/// the optimiser's step; its composition takes a slice of the logits for each tap, as the published code
+/// does. Pictures of side x side pixels.
 Workload inference_workload(const NetworkConfig& config, int64_t spp, int64_t side);
 Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t side);
 

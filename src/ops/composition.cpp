@@ -9,6 +9,7 @@ namespace {
 using torch::Tensor;
 
 thread_local bool compose = false;
+thread_local Taps taps_taken = Taps::at_once;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -55,18 +56,27 @@ std::vector<Tap> taps(int64_t kernel) {
   return taps;
 }
 
+std::vector<Tensor> planes_of(const Tensor& taps, int64_t axis) {
+  if (taps_taken == Taps::at_once) return taps.unbind(axis);
+  std::vector<Tensor> planes;
+  for (int64_t i = 0; i < taps.size(axis); ++i) planes.push_back(taps.select(axis, i));
+  return planes;
+}
+
 int64_t kernel_size(int64_t count) {
   return std::lround(std::sqrt(double(count)));
 }
 
 }  // namespace
 
-ComposedOperators::ComposedOperators() : before_(compose) {
+ComposedOperators::ComposedOperators(Taps taps) : before_(compose), taps_before_(taps_taken) {
   compose = true;
+  taps_taken = taps;
 }
 
 ComposedOperators::~ComposedOperators() {
   compose = before_;
+  taps_taken = taps_before_;
 }
 
 bool composed_operators() {
@@ -99,8 +109,7 @@ Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& val
   const Tensor largest = std::get<0>(z.flatten(1, 2).max(1));  // m_p [B, H, W]
   const Tensor e =
       (z - largest.unsqueeze(1).unsqueeze(2)).clamp_min(lowest_logit(z.scalar_type())) + log_n.unsqueeze(2);
-  // Taken apart once: a view of one plane would have a gradient the size of all of them.
-  std::vector<Tensor> exponents = e.unbind(2);
+  std::vector<Tensor> exponents = planes_of(e, 2);
   for (const Tap& tap : taps(kernel)) {
     Tensor& plane = exponents[size_t(tap.index)];
     plane = Shifted(plane, kernel, -kInfinity).at_offset(-tap.dy, -tap.dx);
@@ -132,7 +141,7 @@ Tensor kernel_splat(const Tensor& logits, const Tensor& log_n, const Tensor& val
 
 Tensor kernel_gather(const Tensor& logits, const Tensor& log_n, const Tensor& values) {
   const int64_t kernel = kernel_size(logits.size(1));
-  const std::vector<Tensor> z = bounded(logits).unbind(1);
+  const std::vector<Tensor> z = planes_of(bounded(logits), 1);
   const Shifted given(log_n, kernel, -kInfinity), sources(values, kernel, 0);
   Tensor top;
   {

@@ -10,17 +10,23 @@
 
 namespace ld {
 
+/// How a composition takes the K*K taps of the logits apart: all at once, or with a slice for each. The slice
+/// is how the code published with [MH20] is written; on the way back each has a gradient the size of all
+/// logits, which makes a training step five times slower.
+enum class Taps { at_once, sliced };
+
 /// While one lives, the operators of this thread run as compositions, also for float32 on the CPU, and
 /// tensors come from LibTorch's own allocator (ops/memory_pool.h).
 class ComposedOperators {
  public:
-  ComposedOperators();
+  explicit ComposedOperators(Taps taps = Taps::at_once);
   ~ComposedOperators();
   ComposedOperators(const ComposedOperators&) = delete;
   ComposedOperators& operator=(const ComposedOperators&) = delete;
 
  private:
   bool before_;
+  Taps taps_before_;
 };
 
 /// Whether one lives in this thread.

@@ -30,7 +30,7 @@ TEST(Measure, TheBaselineRunsAsACompositionInTurnsWithOurs) {
   };
   MeasureOptions options;
   options.repeats = 7;
-  const Measurement m = measure_against_composition(work, options);
+  const Measurement m = measure_against_composition({work}, options);
   EXPECT_GE(m.repeats, 7);
   EXPECT_EQ(ours, m.repeats + 2);               // a warm-up and the run whose memory is measured
   EXPECT_EQ(composed, m.baseline_repeats + 1);  // a warm-up
@@ -39,7 +39,10 @@ TEST(Measure, TheBaselineRunsAsACompositionInTurnsWithOurs) {
   EXPECT_GE(m.baseline_ms, 40);
 
   options.baseline_seconds = 0.06;  // for one run
-  EXPECT_EQ(measure_against_composition(work, options).baseline_repeats, 1);
+  EXPECT_EQ(measure_against_composition({work}, options).baseline_repeats, 1);
+
+  EXPECT_EQ(m.at_once_ms, 0);
+  EXPECT_GE(measure_against_composition({work, 0, Taps::sliced}, options).at_once_ms, 40);
 }
 
 TEST(Measure, PeakMemorySeesWhatWasFreedAgain) {
