@@ -9,7 +9,7 @@
 #   NETWORKS  default "layer layer_weighted sample_splat pixel_gather pixel_splat optimized"
 #   LOSSES    default "smape l2_tonemapped"
 #   SEEDS     default "1 2 3"
-#   STEPS     stop after so many steps (default: what the configurations say, which is the same for all)
+#   EPOCHS    length of the trainings, over which the learning rate falls (default: what the configurations say)
 #   BIN       default build/bin
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,7 +22,7 @@ networks=${NETWORKS:-layer layer_weighted sample_splat pixel_gather pixel_splat 
 losses=${LOSSES:-smape l2_tonemapped}
 seeds=${SEEDS:-1 2 3}
 limit=()
-if [ -n "${STEPS:-}" ]; then limit=("run.max_steps=$STEPS"); fi
+if [ -n "${EPOCHS:-}" ]; then limit=("epochs=$EPOCHS"); fi
 
 config_of() {
   if [ "$1" = layer ]; then echo configs/quick.yaml; else echo "configs/quick_$1.yaml"; fi
