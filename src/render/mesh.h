@@ -12,6 +12,7 @@ namespace ld {
 struct Mesh {
   std::vector<Vec3> positions;  // scene units
   std::vector<Vec3> normals;    // unit, one a position; empty: the triangles are flat
+  std::vector<Vec2> uvs;        // empty, or one for each position; v runs upwards
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 

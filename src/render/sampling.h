@@ -5,10 +5,6 @@
 
 namespace ld {
 
-struct Vec2 {
-  float x = 0, y = 0;
-};
-
 /// Uniform on the unit disk, continuous (Shirley and Chiu 1997).
 inline Vec2 sample_disk(float u, float v) {
   const float a = 2 * u - 1, b = 2 * v - 1;

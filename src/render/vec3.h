@@ -1,4 +1,5 @@
-// Three floats: points and directions in scene units, and linear RGB colours; and orthonormal bases.
+// Three floats: points and directions in scene units, and linear RGB colours; two floats; and orthonormal
+// bases.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +8,10 @@
 namespace ld {
 
 constexpr float kPi = 3.14159265358979F;
+
+struct Vec2 {
+  float x = 0, y = 0;
+};
 
 struct Vec3 {
   float x = 0, y = 0, z = 0;
