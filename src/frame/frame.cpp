@@ -51,6 +51,7 @@ Image mean_radiance(const Frame& frame) {
 }
 
 float median_depth(const Frame& frame) {
+  if (!frame.holds("depth")) return 1;
   std::vector<float> depths;
   for (int s = 0; s < frame.spp; ++s)
     for (size_t p = 0; p < frame.plane_size(); ++p)

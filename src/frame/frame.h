@@ -1,6 +1,7 @@
 // A frame of samples and an image, in memory. Planar: a channel of a sample is one contiguous plane.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -44,9 +45,10 @@ struct FrameInfo {
 
 /// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
 /// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
-/// are then 0).
+/// are then 0). Channels of features that the frame does not hold are 0.
 struct Frame {
   int width = 0, height = 0, spp = 0;
+  std::vector<std::string> features = mh20_feature_names();  // those it holds, in any order
   std::vector<float> samples;
   std::vector<uint8_t> valid;
   FrameInfo info;
@@ -67,6 +69,9 @@ struct Frame {
   }
   uint8_t* valid_plane(int sample) { return valid.data() + size_t(sample) * plane_size(); }
   const uint8_t* valid_plane(int sample) const { return valid.data() + size_t(sample) * plane_size(); }
+  bool holds(const std::string& feature) const {
+    return std::find(features.begin(), features.end(), feature) != features.end();
+  }
 };
 
 /// Masks samples that hold a NaN or an infinity, sets negative radiance to 0, clamps guides to half's range
@@ -76,7 +81,7 @@ Faults sanitise(Frame& frame);
 /// Mean radiance of the valid samples, [3, H, W], accumulated in double; 0 where a pixel has none.
 Image mean_radiance(const Frame& frame);
 
-/// Median over the depths of valid samples below kEscapedDepth; 1 when there is none.
+/// Median over the depths of valid samples below kEscapedDepth; 1 when there is none, or no depth.
 float median_depth(const Frame& frame);
 
 }  // namespace ld

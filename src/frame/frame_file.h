@@ -21,13 +21,16 @@ struct FrameHeader {
 FrameHeader read_frame_header(const std::filesystem::path& path);
 
 /// Reads the samples with at least the `required` features (others that are missing become 0) and sanitises
-/// them; `faults` receives what was found. info.depth_scale is computed where the file has none. Throws Error
-/// as above and for a missing feature (naming part and channel), and for a file without samples.
+/// them; `faults` receives what was found. frame.features are all that the file holds. info.depth_scale is
+/// computed where the file has none. Throws Error as above and for a missing feature (naming part and
+/// channel), and for a file without samples.
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults);
 
-/// Writes part `mean` and parts s000, s001, ... with all features, and the info as attributes; atomic.
-/// Radiance beyond half's range is clamped and the count of clamped channels returned. Masked samples are
-/// written as NaN radiance, so that they are masked again on reading. The same frame gives the same bytes.
+/// Writes part `mean` and parts s000, s001, ... with the frame's features, and the info as attributes;
+/// atomic. Radiance beyond half's range is clamped and the count of clamped channels returned. Masked samples
+/// are written as NaN radiance, so that they are masked again on reading. The same frame gives the same
+/// bytes. Throws Error when the frame cannot be written or holds no radiance, UsageError for an unknown
+/// feature.
 int64_t write_frame(const std::filesystem::path& path, const Frame& frame);
 
 /// An image of 1 or 3 channels: ".exr" holds linear half floats, ".png" 8 bits of the tone map (eq. 7 of

@@ -114,6 +114,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
 
   Frame frame(header.width, header.height, header.spp);
   frame.info = header.info;
+  frame.features = header.features;
   for (int s = 0; s < frame.spp; ++s) {
     const int part = parts[static_cast<size_t>(s)];
     std::vector<ExrPlane> planes;
@@ -130,9 +131,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
 
   faults = sanitise(frame);
   faults.clamped = frame.info.clamped;
-  const bool has_depth =
-      std::find(header.features.begin(), header.features.end(), "depth") != header.features.end();
-  if (frame.info.depth_scale <= 0) frame.info.depth_scale = has_depth ? median_depth(frame) : 1.0F;
+  if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame);
   return frame;
 }
 

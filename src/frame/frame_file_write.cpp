@@ -38,6 +38,8 @@ void check_frame(const std::filesystem::path& path, const Frame& frame) {
   if (frame.valid.size() != expected || frame.samples.size() != expected * kSampleChannels)
     fail("cannot write {}: the frame's buffers hold {} samples and {} mask entries; expected {}",
          path.string(), frame.samples.size() / kSampleChannels, frame.valid.size(), expected);
+  for (const std::string& name : frame.features) find_feature(name);
+  if (!frame.holds("radiance")) fail("cannot write {}: the frame holds no radiance", path.string());
 }
 
 /// How many radiance channels of valid samples lie beyond half's range, and whether any is one that a reader
@@ -96,15 +98,30 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const std::vector<std:
   output.writeTiles(0, output.numXTiles() - 1, 0, output.numYTiles() - 1);
 }
 
-std::vector<half> sample_planes(const Frame& frame, int sample) {
+/// A channel of the samples: its name in the file and its place among kSampleChannels.
+struct SampleChannel {
+  std::string name;
+  int index;
+};
+
+std::vector<SampleChannel> sample_channels(const Frame& frame) {
+  std::vector<SampleChannel> channels;
+  for (const Feature& feature : feature_schema())
+    if (frame.holds(feature.name))
+      for (int c = 0; c < feature.channels; ++c)
+        channels.push_back({feature.exr_channels[static_cast<size_t>(c)], feature.offset + c});
+  return channels;
+}
+
+std::vector<half> sample_planes(const Frame& frame, int sample, const std::vector<SampleChannel>& channels) {
   const size_t pixels = frame.plane_size();
-  std::vector<half> planes(pixels * kSampleChannels);
+  std::vector<half> planes(pixels * channels.size());
   const uint8_t* valid = frame.valid_plane(sample);
-  for (int c = 0; c < kSampleChannels; ++c) {
-    const half masked = c < 3 ? std::numeric_limits<half>::quiet_NaN() : half(0.0F);
-    const float* plane = frame.plane(sample, c);
-    half* out = planes.data() + static_cast<size_t>(c) * pixels;
-    for (size_t p = 0; p < pixels; ++p) out[p] = valid[p] != 0 ? to_half(plane[p]) : masked;
+  half* out = planes.data();
+  for (const SampleChannel& channel : channels) {
+    const half masked = channel.index < 3 ? std::numeric_limits<half>::quiet_NaN() : half(0.0F);
+    const float* plane = frame.plane(sample, channel.index);
+    for (size_t p = 0; p < pixels; ++p) *out++ = valid[p] != 0 ? to_half(plane[p]) : masked;
   }
   return planes;
 }
@@ -121,15 +138,13 @@ int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
   if (info.depth_scale <= 0) info.depth_scale = median_depth(frame);
 
   const std::vector<std::string> mean_channels = {"R", "G", "B"};
-  std::vector<std::string> sample_channels;
-  for (const Feature& feature : feature_schema())
-    sample_channels.insert(sample_channels.end(), feature.exr_channels.begin(),
-                           feature.exr_channels.begin() + feature.channels);
+  const std::vector<SampleChannel> channels = sample_channels(frame);
+  std::vector<std::string> names;
+  for (const SampleChannel& channel : channels) names.push_back(channel.name);
 
   std::vector<Imf::Header> headers = {part_header(frame, "mean", mean_channels)};
   write_attributes(headers[0], info, frame.spp);
-  for (int s = 0; s < frame.spp; ++s)
-    headers.push_back(part_header(frame, fmt::format("s{:03}", s), sample_channels));
+  for (int s = 0; s < frame.spp; ++s) headers.push_back(part_header(frame, fmt::format("s{:03}", s), names));
 
   write_atomically(path, [&](const std::filesystem::path& temporary) {
     try {
@@ -137,7 +152,7 @@ int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
       std::vector<half> mean_planes(mean.pixels.size());
       std::transform(mean.pixels.begin(), mean.pixels.end(), mean_planes.begin(), to_half);
       write_part(file, 0, mean_channels, mean_planes);
-      for (int s = 0; s < frame.spp; ++s) write_part(file, s + 1, sample_channels, sample_planes(frame, s));
+      for (int s = 0; s < frame.spp; ++s) write_part(file, s + 1, names, sample_planes(frame, s, channels));
     } catch (const std::exception& error) {
       fail("cannot write {}: {}; is the disk full?", path.string(), error.what());
     }

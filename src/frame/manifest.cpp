@@ -144,7 +144,7 @@ std::string manifest_text(const fs::path& path, const Manifest& manifest) {
   nlohmann::ordered_json root;
   root["format"] = kFormat;
   root["version"] = kManifestVersion;
-  root["schema"] = {{"version", kSchemaVersion}, {"features", feature_names()}};
+  root["schema"] = {{"version", kSchemaVersion}, {"features", mh20_feature_names()}};
   root["recipe"] = manifest.recipe;
   root["seed"] = manifest.seed;
   root["frames"] = nlohmann::ordered_json::array();

@@ -46,6 +46,9 @@ const std::vector<Feature>& feature_schema() {
       {"lens", 17, 2, {"lens.X", "lens.Y"}, Encoding::identity, 0, Vector::y_up},
       // 0 at shutter open, 1 at close
       {"time", 19, 1, {"time"}, Encoding::identity, 0, Vector::none},
+      // not in [MH20]: pixels from where the sample hit to where the picture saw that point of the surface at
+      // the shutter opening of the previous frame, +x right, +y down; squashed like motion
+      {"flow", kFlowOffset, 2, {"flow.X", "flow.Y"}, Encoding::squash, 16, Vector::y_down},
   };
   return schema;
 }
@@ -62,6 +65,12 @@ const Feature& find_feature(const std::string& name) {
 std::vector<std::string> feature_names() {
   std::vector<std::string> names;
   for (const Feature& feature : feature_schema()) names.push_back(feature.name);
+  return names;
+}
+
+std::vector<std::string> mh20_feature_names() {
+  std::vector<std::string> names = feature_names();
+  names.pop_back();  // flow
   return names;
 }
 

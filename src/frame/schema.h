@@ -1,6 +1,6 @@
 // The per-sample features of [MH20] (Munkberg and Hasselgren, "Neural Denoising with Layer Embeddings", EGSR
-// 2020, section 3), 20 floats in all: one table that the renderer, the files, the networks and the weights
-// share.
+// 2020, section 3), 20 floats in all, and those that frames may hold besides: one table that the renderer,
+// the files, the networks and the weights share.
 #pragma once
 
 #include <array>
@@ -24,12 +24,12 @@ enum class Encoding {
 enum class Vector {
   none,    // a scalar or a colour: nothing
   y_up,    // x and y turn with the picture, +y points up (view-space normal, lens position)
-  y_down,  // x and y turn with the picture, +y points down (motion vector)
+  y_down,  // x and y turn with the picture, +y points down (motion vector, flow)
 };
 
 struct Feature {
   std::string name;
-  int offset;  // first of its channels among the 20
+  int offset;  // first of its channels among all kSampleChannels
   int channels;
   std::array<const char*, 3> exr_channels;  // the first `channels` of them count
   Encoding encoding;
@@ -37,21 +37,26 @@ struct Feature {
   Vector vector;
 };
 
-constexpr int kSampleChannels = 20;
+constexpr int kSampleChannels = 22;
 constexpr int kRadianceOffset = 0;
 constexpr int kNormalOffset = 3;
 constexpr int kDepthOffset = 6;
+constexpr int kFlowOffset = 20;
 /// Depth of a ray that escaped: half's largest finite number.
 constexpr float kEscapedDepth = 65504.0F;
 
 /// All features in the order of their offsets: radiance, normal, depth, albedo, specular, roughness, motion,
-/// coc, lens, time.
+/// coc, lens, time, which are the 20 channels of [MH20]; then flow, which sequences have.
 const std::vector<Feature>& feature_schema();
 
 /// Throws UsageError with the nearest name and the list of names when there is no such feature.
 const Feature& find_feature(const std::string& name);
 
+/// All of them.
 std::vector<std::string> feature_names();
+
+/// Those of [MH20]: what a frame holds and a network reads unless told otherwise.
+std::vector<std::string> mh20_feature_names();
 
 /// Channels that the named features have together.
 int channel_count(const std::vector<std::string>& names);

@@ -191,9 +191,10 @@ std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, cons
                                                 SampleNumbers& numbers, const PathSettings& settings) {
   Guides g;
   const Vec3 radiance = trace_path(scene, scene.scene().camera.ray(where), where.time, numbers, settings, &g);
-  return {radiance.x, radiance.y, radiance.z, g.normal.x,   g.normal.y,   g.normal.z,   g.depth,
-          g.albedo.x, g.albedo.y, g.albedo.z, g.specular.x, g.specular.y, g.specular.z, g.roughness,
-          g.motion.x, g.motion.y, g.coc,      where.lens.x, where.lens.y, where.time};
+  return {radiance.x,   radiance.y,  radiance.z, g.normal.x, g.normal.y,   g.normal.z,
+          g.depth,      g.albedo.x,  g.albedo.y, g.albedo.z, g.specular.x, g.specular.y,
+          g.specular.z, g.roughness, g.motion.x, g.motion.y, g.coc,        where.lens.x,
+          where.lens.y, where.time,  0,          0};
 }
 
 }  // namespace ld

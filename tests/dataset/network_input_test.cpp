@@ -39,7 +39,7 @@ TEST(NetworkInput, SamplesThatAreNotValidAreZeroAndFillUneven) {
   two.valid_plane(1)[5] = 0;
   for (int c = 0; c < kSampleChannels; ++c) two.plane(1, c)[5] = 0;
   const Frame one = random_frame(3, 2, 1, 2);
-  const NetworkInput input = make_network_input({two, one}, feature_names());
+  const NetworkInput input = make_network_input({two, one}, mh20_feature_names());
   EXPECT_EQ(input.valid[0].sum().item<float>(), 11);
   EXPECT_EQ(input.valid[1].sum().item<float>(), 6);
   EXPECT_EQ(input.features[0][1].select(1, 1).select(1, 2).abs().sum().item<float>(), 0);

@@ -19,7 +19,7 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 Frame read_all(const std::filesystem::path& path, Faults& faults) {
-  return read_frame(path, feature_names(), faults);
+  return read_frame(path, mh20_feature_names(), faults);
 }
 
 class FrameSizes : public testing::TestWithParam<std::array<int, 3>> {};
@@ -54,7 +54,7 @@ TEST_P(FrameSizes, RoundTripIsExactAtHalfPrecision) {
   EXPECT_EQ(header.width, width);
   EXPECT_EQ(header.height, height);
   EXPECT_EQ(header.spp, spp);
-  EXPECT_EQ(header.features, feature_names());
+  EXPECT_EQ(header.features, mh20_feature_names());
   EXPECT_EQ(header.info.camera, "fov 45");
 
   // The first part is the picture: the mean of the samples, rounded to half.
@@ -87,6 +87,47 @@ TEST(FrameFile, TheSameFrameGivesTheSameBytes) {
   Faults faults;
   write_frame(folder / "c.exr", read_all(folder / "a.exr", faults));
   EXPECT_EQ(read_file(folder / "a.exr"), read_file(folder / "c.exr"));
+}
+
+TEST(FrameFile, HoldsTheFeaturesThatTheFrameHolds) {
+  const TemporaryFolder folder;
+  Frame frame = random_frame(5, 3, 2);
+  EXPECT_FALSE(frame.holds("flow"));
+  frame.features = {"flow", "normal", "radiance"};  // in any order
+  for (int s = 0; s < 2; ++s)
+    for (int c = 0; c < kSampleChannels; ++c) std::fill_n(frame.plane(s, c), 15, static_cast<float>(c));
+  frame.info.depth_scale = 0;
+  write_frame(folder / "frame.exr", frame);
+  EXPECT_EQ(read_frame_header(folder / "frame.exr").features,
+            (std::vector<std::string>{"radiance", "normal", "flow"}));
+  Faults faults;
+  const Frame read = read_frame(folder / "frame.exr", {"flow"}, faults);
+  EXPECT_EQ(read.features, (std::vector<std::string>{"radiance", "normal", "flow"}));
+  EXPECT_EQ(read.info.depth_scale, 1.0F);  // there is no depth
+  for (int s = 0; s < 2; ++s)
+    for (int c = 0; c < kSampleChannels; ++c) {
+      const bool held = c < 6 || c >= kFlowOffset;
+      EXPECT_EQ(read.plane(s, c)[7], held ? static_cast<float>(c) : 0.0F) << "channel " << c;
+    }
+  EXPECT_ERROR(read_frame(folder / "frame.exr", {"depth"}, faults), "the feature 'depth' is needed");
+
+  write_frame(folder / "again.exr", read);
+  EXPECT_EQ(read_file(folder / "frame.exr"), read_file(folder / "again.exr"));
+  frame.features = {"normal"};
+  EXPECT_ERROR(write_frame(folder / "frame.exr", frame), "holds no radiance");
+  frame.features = {"radiance", "flows"};
+  EXPECT_ERROR(write_frame(folder / "frame.exr", frame), "did you mean 'flow'");
+}
+
+TEST(Schema, TheTwentyChannelsOfThePaperComeFirst) {
+  EXPECT_EQ(channel_count(mh20_feature_names()), 20);
+  EXPECT_EQ(channel_count(feature_names()), kSampleChannels);
+  int offset = 0;
+  for (const Feature& feature : feature_schema()) {
+    EXPECT_EQ(feature.offset, offset) << feature.name;
+    offset += feature.channels;
+  }
+  EXPECT_EQ(describe_features({"flow"}), "flow 2 squash 16\n");
 }
 
 TEST(FrameFile, MaskedSamplesStayMasked) {

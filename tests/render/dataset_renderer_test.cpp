@@ -141,7 +141,7 @@ TEST(DatasetRenderer, FilesHoldWhatWasRendered) {
   settings.spp = 2;
   const Frame rendered = *render_samples(*scene, settings);
   Faults faults;
-  const Frame read = read_frame(frame_path(folder.path(), frame_name(0)), feature_names(), faults);
+  const Frame read = read_frame(frame_path(folder.path(), frame_name(0)), mh20_feature_names(), faults);
   EXPECT_FALSE(faults.any());
   ASSERT_EQ(read.samples.size(), rendered.samples.size());
   for (size_t i = 0; i < read.samples.size(); ++i)

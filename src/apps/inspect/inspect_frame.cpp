@@ -84,7 +84,7 @@ void inspect_exr(Report& report) {
   }
   report.facts["features"] = header.features;
   nlohmann::ordered_json missing = nlohmann::ordered_json::array();
-  for (const std::string& name : feature_names())
+  for (const std::string& name : mh20_feature_names())
     if (std::find(header.features.begin(), header.features.end(), name) == header.features.end())
       missing.push_back(name);
   report.facts["missing_features"] = missing;

@@ -58,7 +58,7 @@ TEST(Inspect, AFrame) {
   EXPECT_EQ(report.facts["width"], 4);
   EXPECT_EQ(report.facts["height"], 3);
   EXPECT_EQ(report.facts["spp"], 2);
-  EXPECT_EQ(report.facts["features"].size(), feature_names().size());
+  EXPECT_EQ(report.facts["features"].size(), mh20_feature_names().size());
   EXPECT_NEAR(report.facts["mean_radiance"][1].get<double>(), 0.25, 1e-6);
   EXPECT_EQ(report.facts["scene"], "indoor");
   EXPECT_FLOAT_EQ(report.facts["depth_scale"].get<float>(), frame.info.depth_scale);
@@ -112,7 +112,7 @@ TEST(Inspect, ADataSet) {
     EXPECT_EQ(report.facts["frames"], 5);
     EXPECT_EQ(report.facts["splits"]["train"], 3);
     EXPECT_EQ(report.facts["sizes"]["8 x 8, 2 samples a pixel"], 5);
-    EXPECT_EQ(report.facts["features"].size(), feature_names().size());
+    EXPECT_EQ(report.facts["features"].size(), mh20_feature_names().size());
     EXPECT_TRUE(report.problems.empty());
   }
   fs::remove(frame_path(data, "frame_0"));
