@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Makes out/peers/venv, a Python environment with Blender (as the module bpy) and Mitsuba 3, 1.5 GB. Needs Python 3.11, whose
+# Blender wheels are the long-term release. Nothing else in the project needs it. Safe to run twice.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+venv=out/peers/venv
+wanted=scripts/peers/requirements.txt
+
+if cmp -s "$wanted" "$venv/requirements.txt"; then
+  echo "peers: $venv is up to date"
+  exit 0
+fi
+
+python=${PYTHON:-python3.11}
+command -v "$python" >/dev/null || { echo "setup.sh: found no $python; install Debian's python3 or name one with PYTHON=..." >&2; exit 1; }
+"$python" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || { echo "setup.sh: $python is not Python 3.11" >&2; exit 1; }
+
+packages=()
+"$python" -c 'import ensurepip' 2>/dev/null || packages+=(python3-venv)
+# What Blender is linked to, although nothing is shown on a screen.
+libraries=$(ldconfig -p)
+while read -r library package; do
+  [[ $library == '' || $libraries == *"$library "* ]] || packages+=("$package")
+done <<'END'
+libSM.so.6 libsm6
+libXi.so.6 libxi6
+libXrender.so.1 libxrender1
+libXfixes.so.3 libxfixes3
+libXext.so.6 libxext6
+libxkbcommon.so.0 libxkbcommon0
+libGL.so.1 libgl1
+END
+if [ ${#packages[@]} -gt 0 ]; then
+  echo "peers: installing ${packages[*]}"
+  as_root=()
+  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${packages[@]}"
+fi
+
+rm -rf "$venv"
+"$python" -m venv "$venv"
+"$venv/bin/pip" install --quiet --disable-pip-version-check -r "$wanted"
+"$venv/bin/python" -c 'import bpy, mitsuba; print("peers: Blender", bpy.app.version_string, "and Mitsuba", mitsuba.__version__)'
+cp "$wanted" "$venv/requirements.txt"
