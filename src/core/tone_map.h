@@ -12,6 +12,12 @@ T srgb_transfer(T x) {
   return x <= T(0.0031308) ? T(12.92) * x : T(1.055) * std::pow(x, T(1) / T(2.4)) - T(0.055);
 }
 
+/// What srgb_transfer takes to y, for y >= 0.
+template <class T>
+T srgb_inverse(T y) {
+  return y <= T(0.04045) ? y / T(12.92) : std::pow((y + T(0.055)) / T(1.055), T(2.4));
+}
+
 /// eq. 7: Gamma(log(1 + x)). Negative x counts as 0, where the printed formula is undefined below -1 and its
 /// gradient NaN; log1p keeps the dark tones that log(1 + x) loses to rounding.
 template <class T>

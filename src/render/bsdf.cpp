@@ -1,5 +1,6 @@
 #include "render/bsdf.h"
 
+#include "render/coated_bsdf.h"
 #include "render/microfacet.h"
 #include "render/sampling.h"
 
@@ -8,16 +9,6 @@ namespace {
 
 Vec3 reflect(Vec3 w, Vec3 m) {
   return m * (2 * dot(w, m)) - w;
-}
-
-BsdfValue evaluate_conductor(const Bsdf& bsdf, Vec3 wo, Vec3 wi) {
-  if (wi.z <= 0) return {};
-  const Vec3 m = normalize(wo + wi);
-  const float cos_m = dot(wo, m);
-  const float visible = ggx_visible_pdf(wo, m, bsdf.alpha);
-  const float pdf = visible / (4 * cos_m);
-  // f cos = F G1(wo) G1(wi) D / (4 cos wo) is the density times F G1(wi).
-  return {fresnel_schlick(bsdf.colour, cos_m) * (ggx_masking(wi, bsdf.alpha) * pdf), pdf};
 }
 
 BsdfValue evaluate_rough_dielectric(const Bsdf& bsdf, Vec3 wo, Vec3 wi) {
@@ -55,17 +46,45 @@ std::optional<BsdfSample> sample_dielectric(const Bsdf& bsdf, Vec3 wo, Vec3 m, f
 
 }  // namespace
 
+Vec3 Bsdf::conductor_fresnel(float cos_i) const {
+  if (is_black(metal_k)) return kind == MaterialKind::mirror ? colour : fresnel_schlick(colour, cos_i);
+  return {fresnel_conductor(cos_i, metal_eta.x, metal_k.x), fresnel_conductor(cos_i, metal_eta.y, metal_k.y),
+          fresnel_conductor(cos_i, metal_eta.z, metal_k.z)};
+}
+
+BsdfValue evaluate_conductor(const Bsdf& bsdf, float alpha, Vec3 wo, Vec3 wi) {
+  if (wi.z <= 0) return {};
+  const Vec3 m = normalize(wo + wi);
+  const float cos_m = dot(wo, m);
+  const float visible = ggx_visible_pdf(wo, m, alpha);
+  const float pdf = visible / (4 * cos_m);
+  // f cos = F G1(wo) G1(wi) D / (4 cos wo) is the density times F G1(wi).
+  return {bsdf.conductor_fresnel(cos_m) * (ggx_masking(wi, alpha) * pdf), pdf};
+}
+
+std::optional<BsdfSample> sample_conductor(const Bsdf& bsdf, float alpha, Vec3 wo, float u1, float u2) {
+  const Vec3 wi = reflect(wo, sample_ggx_visible_normal(wo, alpha, u1, u2));
+  if (wi.z <= 0) return std::nullopt;
+  const BsdfValue value = evaluate_conductor(bsdf, alpha, wo, wi);
+  if (!(value.pdf > 0)) return std::nullopt;
+  return BsdfSample{wi, value.f_cos / value.pdf, value.pdf, false};
+}
+
 BsdfValue Bsdf::evaluate(Vec3 wo, Vec3 wi) const {
   switch (kind) {
     case MaterialKind::diffuse:
       if (wi.z <= 0) return {};
       return {colour * (wi.z / kPi), wi.z / kPi};
     case MaterialKind::rough_conductor:
-      return evaluate_conductor(*this, wo, wi);
+      return evaluate_conductor(*this, alpha, wo, wi);
     case MaterialKind::rough_dielectric:
       return evaluate_rough_dielectric(*this, wo, wi);
+    case MaterialKind::plastic:
+    case MaterialKind::coated_metal:
+      return evaluate_coated(*this, wo, wi);
     case MaterialKind::mirror:
     case MaterialKind::smooth_dielectric:
+    case MaterialKind::mixed:
       break;
   }
   return {};
@@ -79,17 +98,16 @@ std::optional<BsdfSample> Bsdf::sample(Vec3 wo, float u0, float u1, float u2) co
       return BsdfSample{wi, colour, wi.z / kPi, false};
     }
     case MaterialKind::mirror:
-      return BsdfSample{{-wo.x, -wo.y, wo.z}, colour, 0, true};
+      return BsdfSample{{-wo.x, -wo.y, wo.z}, conductor_fresnel(wo.z), 0, true};
     case MaterialKind::smooth_dielectric:
       return sample_dielectric(*this, wo, {0, 0, 1}, u0);
-    case MaterialKind::rough_conductor: {
-      const Vec3 m = sample_ggx_visible_normal(wo, alpha, u1, u2);
-      const Vec3 wi = reflect(wo, m);
-      if (wi.z <= 0) return std::nullopt;
-      const BsdfValue value = evaluate_conductor(*this, wo, wi);
-      if (!(value.pdf > 0)) return std::nullopt;
-      return BsdfSample{wi, value.f_cos / value.pdf, value.pdf, false};
-    }
+    case MaterialKind::rough_conductor:
+      return sample_conductor(*this, alpha, wo, u1, u2);
+    case MaterialKind::plastic:
+    case MaterialKind::coated_metal:
+      return sample_coated(*this, wo, u0, u1, u2);
+    case MaterialKind::mixed:
+      break;
     case MaterialKind::rough_dielectric: {
       const Vec3 m = sample_ggx_visible_normal(wo, alpha, u1, u2);
       std::optional<BsdfSample> drawn = sample_dielectric(*this, wo, m, u0);

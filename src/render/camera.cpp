@@ -2,7 +2,29 @@
 
 #include <fmt/format.h>
 
+#include "render/motion.h"
+
 namespace ld {
+
+Camera Camera::at(float time) const {
+  Camera still = *this;
+  still.close.reset();
+  if (close && shutter) {
+    still.position = mix(position, close->position, time);
+    still.axes = interpolate(axes, close->axes, time);
+  }
+  return still;
+}
+
+Camera Camera::at_previous() const {
+  Camera still = *this;
+  still.close.reset();
+  if (previous) {
+    still.position = previous->position;
+    still.axes = previous->axes;
+  }
+  return still;
+}
 
 Ray Camera::ray(const CameraSample& sample) const {
   const float focal = focal_pixels();
@@ -25,7 +47,10 @@ std::string Camera::describe() const {
       "position {:g} {:g} {:g}; right {:g} {:g} {:g}; up {:g} {:g} {:g}; vertical fov {:g} rad; lens radius "
       "{:g}; focus distance {:g}; shutter {}",
       position.x, position.y, position.z, axes.x.x, axes.x.y, axes.x.z, axes.y.x, axes.y.y, axes.y.z, fov,
-      lens_radius, focus_distance, shutter ? "open" : "instant");
+      lens_radius, focus_distance,
+      !shutter ? "instant"
+      : close  ? "open, moving"
+               : "open");
 }
 
 Basis look_at(Vec3 position, Vec3 target, Vec3 up, float roll) {

@@ -3,6 +3,7 @@
 // camera.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "render/sampling.h"
@@ -20,6 +21,12 @@ struct CameraSample {
   float time = 0;      // 0 shutter open, 1 shutter close
 };
 
+/// Where a camera stands and how it is turned.
+struct CameraPose {
+  Vec3 position;
+  Basis axes;  // as Camera::axes
+};
+
 struct Camera {
   Vec3 position;
   Basis axes;                // of view space, in world coordinates: right, up, towards the viewer
@@ -28,10 +35,20 @@ struct Camera {
   float focus_distance = 1;  // scene units along the view axis
   bool shutter = false;      // false: an instant at time 0
   int width = 0, height = 0;
+  std::optional<CameraPose>
+      close;  // at shutter close, where it moves; `position` and `axes` are at shutter open
+  std::optional<CameraPose> previous;  // at the previous frame's shutter open, in a sequence
 
   /// Pixels that one scene unit at depth 1 covers.
   float focal_pixels() const { return 0.5F * static_cast<float>(height) / std::tan(0.5F * fov); }
 
+  /// The camera as it stands at a time of the shutter interval: straight from one place to the other, turning
+  /// evenly. The result does not move.
+  Camera at(float time) const;
+  /// As it stood at the previous frame's shutter open.
+  Camera at_previous() const;
+
+  /// Of a camera that does not move, see at().
   Ray ray(const CameraSample& sample) const;
 
   /// Distance along the view axis.

@@ -9,19 +9,6 @@ float solid_angle(const SkyPatch& patch) {
   return 2 * kPi * (1 - patch.cos_radius);
 }
 
-float share(const float* cumulative, size_t i) {
-  return cumulative[i] - (i == 0 ? 0 : cumulative[i - 1]);
-}
-
-/// The bin that u in [0, 1) falls into, and u stretched to [0, 1) within it.
-size_t choose(const float* cumulative, size_t count, float& u) {
-  size_t i = 0;
-  while (i + 1 < count && u >= cumulative[i]) ++i;
-  u = (u - (i == 0 ? 0 : cumulative[i - 1])) / share(cumulative, i);
-  u = std::clamp(u, 0.0F, 0x1.fffffep-1F);
-  return i;
-}
-
 }  // namespace
 
 Vec3 Sky::gradient(float elevation) const {
@@ -65,10 +52,10 @@ SkySampler::SkySampler(const Sky& sky) {
 }
 
 SkySample SkySampler::sample(float u0, float u1, float u2) const {
-  const size_t part = choose(choice_.data(), choice_.size(), u0);
+  const size_t part = choose_bin(choice_.data(), choice_.size(), u0);
   SkySample drawn;
   if (part == 0) {
-    const size_t band = choose(band_cumulative_, kBands, u1);
+    const size_t band = choose_bin(band_cumulative_, kBands, u1);
     const float y = 2 * (static_cast<float>(band) + u1) / kBands - 1;
     const float r = std::sqrt(std::max(0.0F, 1 - y * y));
     drawn.direction = {r * std::cos(2 * kPi * u2), y, r * std::sin(2 * kPi * u2)};
@@ -83,10 +70,10 @@ SkySample SkySampler::sample(float u0, float u1, float u2) const {
 float SkySampler::pdf(Vec3 direction) const {
   const auto band =
       static_cast<size_t>(std::clamp(static_cast<int>((direction.y + 1) * 0.5F * kBands), 0, kBands - 1));
-  float sum = choice_[0] * share(band_cumulative_, band) * kBands / (4 * kPi);
+  float sum = choice_[0] * bin_share(band_cumulative_, band) * kBands / (4 * kPi);
   for (size_t i = 0; i < patches_.size(); ++i)
     if (dot(direction, patches_[i].direction) >= patches_[i].cos_radius)
-      sum += share(choice_.data(), i + 1) / solid_angle(patches_[i]);
+      sum += bin_share(choice_.data(), i + 1) / solid_angle(patches_[i]);
   return sum;
 }
 

@@ -33,6 +33,13 @@ bool for_each_pixel(const Camera& camera, const RenderSettings& settings, const 
   return !stopped;
 }
 
+SampleNumbers input_numbers(const RenderSettings& settings, uint32_t pixel, uint32_t sample) {
+  if (!settings.low_discrepancy)
+    return SampleNumbers(
+        RandomStream(settings.seed, RandomPurpose::input_samples, settings.frame, pixel, sample));
+  return {RandomStream(settings.seed, RandomPurpose::input_samples, settings.frame, pixel).bits(), sample};
+}
+
 }  // namespace
 
 std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSettings& settings) {
@@ -40,8 +47,7 @@ std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSett
   Frame frame(camera.width, camera.height, settings.spp);
   const bool complete = for_each_pixel(camera, settings, [&](int x, int y, uint32_t pixel) {
     for (int s = 0; s < settings.spp; ++s) {
-      SampleNumbers numbers(RandomStream(settings.seed, RandomPurpose::input_samples, settings.frame, pixel,
-                                         static_cast<uint32_t>(s)));
+      SampleNumbers numbers = input_numbers(settings, pixel, static_cast<uint32_t>(s));
       const CameraSample where = draw_camera_sample(camera, x, y, numbers);
       const auto values = trace_sample(scene, where, numbers, settings.path);
       for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[pixel] = values[static_cast<size_t>(c)];
@@ -66,7 +72,8 @@ std::optional<Image> render_reference(const PreparedScene& scene, const RenderSe
     for (int s = 0; s < settings.spp; ++s) {
       SampleNumbers numbers(pixel_seed, static_cast<uint32_t>(s));
       const CameraSample where = draw_camera_sample(camera, x, y, numbers);
-      const Vec3 radiance = trace_path(scene, camera.ray(where), where.time, numbers, settings.path);
+      const Vec3 radiance =
+          trace_path(scene, camera.at(where.time).ray(where), where.time, numbers, settings.path);
       for (int c = 0; c < 3; ++c) sum[c] += radiance[c];
     }
     for (int c = 0; c < 3; ++c) image.plane(c)[pixel] = static_cast<float>(sum[c] / settings.spp);

@@ -16,13 +16,16 @@ struct RenderSettings {
   int spp = 8;
   int threads = 1;
   PathSettings path;
-  std::function<bool()> stop;                   // asked between pixels; true: give up
+  bool low_discrepancy = false;  // spread the samples of a frame's pixels evenly, as a reference's always are
+  std::function<bool()> stop;    // asked between pixels; true: give up
   std::function<void(int64_t paths)> progress;  // called from any thread as tiles finish
 };
 
 /// spp samples of every pixel of the scene's camera, with guides, unfiltered. Sample s of pixel p takes its
-/// numbers from RandomStream(seed, input_samples, frame, p, s), so threads do not matter. info.seed, frame,
-/// scene, camera and depth_scale are filled. Empty when stopped.
+/// numbers from RandomStream(seed, input_samples, frame, p, s), so threads do not matter; with
+/// low_discrepancy the samples of a pixel are one SampleNumbers sequence each, scrambled by
+/// RandomStream(seed, input_samples, frame, p). info.seed, frame, scene, camera and depth_scale are filled.
+/// Empty when stopped.
 std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSettings& settings);
 
 /// Mean radiance [3, H, W] of spp samples of each pixel, one pixel box filter, accumulated in double. The

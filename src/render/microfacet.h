@@ -53,6 +53,19 @@ inline float fresnel_dielectric(float cos_i, float eta, float* cos_t = nullptr) 
   return 0.5F * (parallel * parallel + perpendicular * perpendicular);
 }
 
+/// Unpolarised reflectance of a conductor of complex index eta + i k seen from air, exact (Born and Wolf,
+/// "Principles of optics", section 14.2).
+inline float fresnel_conductor(float cos_i, float eta, float k) {
+  const float c2 = cos_i * cos_i, s2 = 1 - c2;
+  const float difference = eta * eta - k * k - s2;
+  const float a2_plus_b2 = std::sqrt(difference * difference + 4 * eta * eta * k * k);
+  const float a = std::sqrt(std::max(0.0F, 0.5F * (a2_plus_b2 + difference)));
+  const float perpendicular = (a2_plus_b2 + c2 - 2 * a * cos_i) / (a2_plus_b2 + c2 + 2 * a * cos_i);
+  const float t = a2_plus_b2 * c2 + s2 * s2, u = 2 * a * cos_i * s2;
+  const float parallel = perpendicular * (t - u) / (t + u);
+  return 0.5F * (perpendicular + parallel);
+}
+
 /// Schlick 1994, for conductors given by their colour at normal incidence.
 inline Vec3 fresnel_schlick(Vec3 f0, float cos_i) {
   const float c = std::clamp(1 - cos_i, 0.0F, 1.0F);

@@ -27,7 +27,7 @@ struct Vertex {
   }
 };
 
-Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_viewer, float time) {
+Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_viewer, float& roughness) {
   Vertex vertex;
   vertex.position = surface.position;
   const bool outside = dot(surface.geometric_normal, to_viewer) > 0;
@@ -41,11 +41,9 @@ Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_v
   vertex.basis = basis_around(normal);
   vertex.wo = vertex.basis.to_local(to_viewer);
 
-  const Material& material = scene.material_of(surface);
-  vertex.bsdf.kind = material.kind;
-  vertex.bsdf.colour = scene.colour_at(surface, time);
-  vertex.bsdf.alpha = material.roughness * material.roughness;
-  vertex.bsdf.eta = outside ? material.ior : 1 / material.ior;
+  constexpr uint32_t kMixSalt = 0x2F0B4AU;
+  const Material& material = scene.material_of(surface, hashed_choice(to_viewer, surface.distance, kMixSalt));
+  vertex.bsdf = bsdf_at(material, surface, outside, roughness);
   return vertex;
 }
 
@@ -54,7 +52,7 @@ Vec3 direct_light(const PreparedScene& scene, const Vertex& vertex, float time, 
                   SampleNumbers& numbers) {
   const float choice = numbers.one();
   const Vec2 u = numbers.two();
-  const std::optional<LightSample> light = scene.sample_light(vertex.position, choice, u.x, u.y);
+  const std::optional<LightSample> light = scene.sample_light(vertex.position, time, choice, u.x, u.y);
   if (!light) return {};
   const Vec3 wi = vertex.basis.to_local(light->direction);
   if (!vertex.consistent(light->direction, wi)) return {};
@@ -63,7 +61,8 @@ Vec3 direct_light(const PreparedScene& scene, const Vertex& vertex, float time, 
   if (is_black(contribution)) return {};
   // The ray starts lifted off the surface, so it must stop short of the lamp.
   if (!scene.visible(vertex.leave(light->direction), time, light->distance * 0.999F)) return {};
-  const float weight = strategy == LightStrategy::mis ? power_heuristic(light->pdf, value.pdf) : 1;
+  const bool only_way = light->delta || strategy != LightStrategy::mis;
+  const float weight = only_way ? 1 : power_heuristic(light->pdf, value.pdf);
   return contribution * (weight / light->pdf);
 }
 
@@ -80,80 +79,39 @@ float claim(bool only_way, float bsdf_pdf, float light_pdf, LightStrategy strate
   return strategy == LightStrategy::mis ? power_heuristic(bsdf_pdf, light_pdf) : 0;
 }
 
-void describe_place(const PreparedScene& scene, const Surface& surface, float time, Guides& guides) {
-  const Camera& camera = scene.scene().camera;
-  guides.depth = camera.depth(surface.position);
-  guides.coc = camera.circle_of_confusion(guides.depth);
-  if (surface.object < 0 || !camera.shutter) return;
-  const Vec3 motion = scene.scene().objects[static_cast<size_t>(surface.object)].motion;
-  if (is_black(motion)) return;
-  const Vec3 at_open = surface.position - motion * time, at_close = at_open + motion;
-  if (camera.depth(at_open) <= 0 || camera.depth(at_close) <= 0)
-    return;  // passes behind the camera: no image there
-  const Vec2 from = camera.project(at_open), to = camera.project(at_close);
-  guides.motion = {to.x - from.x, to.y - from.y};
-}
-
-void describe_light(const PreparedScene& scene, const Surface& surface, Vec3 direction, Vec3 radiance,
-                    Guides& guides) {
-  guides.normal = scene.scene().camera.to_view(
-      dot(surface.geometric_normal, direction) < 0 ? surface.geometric_normal : -surface.geometric_normal);
-  guides.albedo = is_black(radiance) ? Vec3{} : radiance / max_component(radiance);
-  guides.roughness = 1;
-}
-
-void describe_material(const PreparedScene& scene, const Vertex& vertex, const Material& material,
-                       Guides& guides) {
-  guides.normal = scene.scene().camera.to_view(vertex.basis.z);
-  guides.roughness = material.roughness;
-  const Vec3 colour = vertex.bsdf.colour;
-  switch (material.kind) {
-    case MaterialKind::diffuse:
-      guides.albedo = colour;
-      break;
-    case MaterialKind::rough_conductor:
-    case MaterialKind::mirror:
-      guides.specular = colour;
-      break;
-    case MaterialKind::smooth_dielectric:
-    case MaterialKind::rough_dielectric: {
-      const float r = (material.ior - 1) / (material.ior + 1);
-      guides.albedo = colour;
-      guides.specular = grey(r * r);
-      break;
-    }
-  }
-}
-
 }  // namespace
 
 Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, SampleNumbers& numbers,
                 const PathSettings& settings, Guides* guides) {
+  std::optional<GuideRecorder> recorder;
+  if (guides != nullptr) recorder.emplace(scene, time, settings.guides_through_specular, *guides);
   Vec3 radiance, throughput = grey(1);
   Ray ray = first_ray;
   bool only_way = true;  // next-event estimation could not have found what this ray finds
   float bsdf_pdf = 0;
   for (int bounce = 0;; ++bounce) {
     numbers.seek(kCameraPairs + kBouncePairs * static_cast<uint32_t>(bounce));
+    const bool first = bounce == 0;
+    GuideRecorder* const record = recorder && !recorder->complete() ? &*recorder : nullptr;
     const std::optional<Surface> surface = scene.trace(ray, time);
     float light_pdf = 0;
     if (!surface) {
-      if (bounce == 0 && guides != nullptr)
-        guides->coc = scene.scene().camera.circle_of_confusion_at_infinity();
-      const Vec3 sky = scene.sky_radiance(ray.direction, light_pdf);
+      if (record != nullptr) record->escaped(ray.direction, first);
+      const Vec3 sky = scene.environment(ray.direction, light_pdf);
       return radiance + throughput * sky * claim(only_way, bsdf_pdf, light_pdf, settings.strategy);
     }
-    if (bounce == 0 && guides != nullptr) describe_place(scene, *surface, time, *guides);
-    if (surface->light >= 0) {
-      const Vec3 lamp = scene.light_radiance(*surface, ray.direction, light_pdf);
-      if (bounce == 0 && guides != nullptr) describe_light(scene, *surface, ray.direction, lamp, *guides);
-      return radiance + throughput * lamp * claim(only_way, bsdf_pdf, light_pdf, settings.strategy);
-    }
-    if (bounce > 0 && bounce == settings.max_bounces) return radiance;
+    const Vec3 emitted = scene.emitted(*surface, ray.direction, light_pdf);
+    if (!is_black(emitted))
+      radiance += throughput * emitted * claim(only_way, bsdf_pdf, light_pdf, settings.strategy);
+    const bool shines = surface->light >= 0 || !is_black(emitted);
+    if (record != nullptr && shines) record->light(*surface, ray.direction, emitted, first);
+    if (surface->light >= 0) return radiance;
+    if (bounce > 0 && bounce == settings.max_bounces && record == nullptr) return radiance;
 
-    const Vertex vertex = make_vertex(scene, *surface, -ray.direction, time);
-    if (bounce == 0 && guides != nullptr)
-      describe_material(scene, vertex, scene.material_of(*surface), *guides);
+    float roughness = 1;
+    const Vertex vertex = make_vertex(scene, *surface, -ray.direction, roughness);
+    if (record != nullptr && !shines)
+      record->surface(*surface, vertex.basis.z, vertex.bsdf, roughness, first);
     if (bounce == settings.max_bounces) return radiance;
 
     const bool last = ends_here(vertex, bounce, settings);
@@ -170,6 +128,7 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     if (!vertex.consistent(direction, scattered->wi)) return radiance;
     throughput *= scattered->weight;
     if (is_black(throughput)) return radiance;
+    if (record != nullptr && vertex.bsdf.is_delta()) record->pass(scattered->weight);
     only_way = scattered->delta;
     bsdf_pdf = scattered->pdf;
     ray = vertex.leave(direction);
@@ -190,11 +149,12 @@ CameraSample draw_camera_sample(const Camera& camera, int x, int y, SampleNumber
 std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
                                                 SampleNumbers& numbers, const PathSettings& settings) {
   Guides g;
-  const Vec3 radiance = trace_path(scene, scene.scene().camera.ray(where), where.time, numbers, settings, &g);
+  const Vec3 radiance =
+      trace_path(scene, scene.scene().camera.at(where.time).ray(where), where.time, numbers, settings, &g);
   return {radiance.x,   radiance.y,  radiance.z, g.normal.x, g.normal.y,   g.normal.z,
           g.depth,      g.albedo.x,  g.albedo.y, g.albedo.z, g.specular.x, g.specular.y,
           g.specular.z, g.roughness, g.motion.x, g.motion.y, g.coc,        where.lens.x,
-          where.lens.y, where.time,  0,          0};
+          where.lens.y, where.time,  g.flow.x,   g.flow.y};
 }
 
 }  // namespace ld

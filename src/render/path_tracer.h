@@ -6,6 +6,7 @@
 #include <array>
 
 #include "frame/schema.h"
+#include "render/guides.h"
 #include "render/prepared_scene.h"
 #include "render/sample_numbers.h"
 
@@ -17,27 +18,7 @@ enum class LightStrategy { mis, light_sampling, bsdf_sampling };
 struct PathSettings {
   int max_bounces = 5;  // scatterings between camera and light; 0 shows only what shines itself
   LightStrategy strategy = LightStrategy::mis;
-};
-
-/// What the first hit of a path says about the surface, in the units of frame/schema.cpp:
-/// - normal: the shading normal in view space, turned to the viewer's side; 0 where the ray escaped;
-/// - depth: of the hit along the view axis, kEscapedDepth where the ray escaped;
-/// - albedo: colour of diffuse surfaces, what dielectrics transmit, an area light's radiance scaled to a
-/// maximum of 1;
-///   0 for conductors, mirrors and the sky;
-/// - specular: reflectance at normal incidence of conductors, mirrors and dielectrics ((n-1)^2/(n+1)^2), else
-/// 0;
-/// - roughness: square root of GGX's alpha; 1 for diffuse surfaces and lights, 0 for mirror, smooth
-/// dielectric and sky;
-/// - motion: of the hit point through the lens centre from shutter open to close, 0 with an instant shutter;
-/// - coc: circle of confusion at the hit's depth, in the limit where the ray escaped.
-struct Guides {
-  Vec3 normal;
-  float depth = kEscapedDepth;
-  Vec3 albedo, specular;
-  float roughness = 0;
-  Vec2 motion;
-  float coc = 0;
+  bool guides_through_specular = false;  // GuideRecorder
 };
 
 /// Radiance along one random path that begins with `ray`; `guides`, when given, receives what the first hit

@@ -1,10 +1,11 @@
 // A scene made ready for paths: surfaces from rays, and the sampling of its lights.
 #pragma once
 
-#include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "render/light_sampler.h"
 #include "render/ray_tracer.h"
 #include "render/scene.h"
 
@@ -14,16 +15,11 @@ namespace ld {
 struct Surface {
   Vec3 position;
   Vec3 geometric_normal, shading_normal;  // unit, on the outside of the object
+  TexturePoint texture;                   // for materials: the same point at shutter open
   float distance = 0;                     // from the ray's origin
-  int object = 0;                         // of Scene::objects, -1 on a light
+  int object = 0;                         // of Scene::objects, -1 on an area light
   int light = -1;                         // of Scene::lights, -1 elsewhere
-};
-
-struct LightSample {
-  Vec3 direction;      // unit, towards the light
-  float distance = 0;  // infinity for the sky
-  Vec3 radiance;       // as if nothing stood between
-  float pdf = 0;       // 1/sr, the choice of the light included
+  uint32_t triangle = 0;
 };
 
 class PreparedScene {
@@ -32,40 +28,44 @@ class PreparedScene {
   explicit PreparedScene(Scene scene);
 
   const Scene& scene() const { return scene_; }
+  const RayTracer& tracer() const { return *tracer_; }
 
+  /// The nearest surface, past what its opacity lets through.
   std::optional<Surface> trace(const Ray& ray, float time) const;
-  bool visible(const Ray& ray, float time, float distance) const {
-    return !tracer_->occluded(ray, time, distance);
+  bool visible(const Ray& ray, float time, float distance) const;
+
+  bool has_lights() const { return !lights_->empty(); }
+  std::optional<LightSample> sample_light(Vec3 from, float time, float u0, float u1, float u2) const {
+    return lights_->sample(scene_, from, time, u0, u1, u2);
   }
 
-  bool has_lights() const { return !choice_.empty(); }
-  /// A light in proportion to its power, a point on it uniformly by area. Empty when the point faces away.
-  std::optional<LightSample> sample_light(Vec3 from, float u0, float u1, float u2) const;
+  /// Radiance that a surface sends back along a ray of this direction, with the density of sample_light for
+  /// that direction. Of an area light (0 on its back); of an object, 0 where its material does not emit.
+  Vec3 emitted(const Surface& surface, Vec3 direction, float& pdf) const;
+  /// Of the sky or probe.
+  Vec3 environment(Vec3 direction, float& pdf) const;
 
-  /// Radiance that a ray finds on a light (0 on its back), with the density of sample_light for that
-  /// direction.
-  Vec3 light_radiance(const Surface& surface, Vec3 direction, float& pdf) const;
-  Vec3 sky_radiance(Vec3 direction, float& pdf) const;
-
-  /// Multiplies the radiance of every light and of the sky.
+  /// Multiplies the radiance of everything that shines.
   void scale_lights(float factor);
 
-  /// Colour of the object's material at the surface point (its pattern sticks to the moving object).
-  Vec3 colour_at(const Surface& surface, float time) const;
-  const Material& material_of(const Surface& surface) const;
+  /// The material at the surface point; of a mixed one, which of its two this sample sees: `choice` in [0,
+  /// 1).
+  const Material& material_of(const Surface& surface, float choice) const;
 
  private:
-  struct LightGeometry {
-    Vec3 normal;
-    float area;
-  };
+  void check() const;
+  void describe(const Hit& hit, float time, Surface& surface) const;
+  bool passes(const Hit& hit, const Ray& ray) const;
 
   Scene scene_;
   std::vector<Object> light_objects_;
-  std::vector<LightGeometry> light_geometry_;
-  std::optional<SkySampler> sky_sampler_;
-  std::vector<float> choice_;  // cumulative over the area lights, then the sky
+  std::unique_ptr<LightSampler> lights_;
   std::unique_ptr<RayTracer> tracer_;
+  bool has_opacity_ = false;
 };
+
+/// A number in [0, 1) that a ray and its hit decide, for choices that consume none of the sample's own
+/// numbers (pbrt-v4 decides opacity and mixed materials so).
+float hashed_choice(Vec3 direction, float distance, uint32_t salt);
 
 }  // namespace ld

@@ -34,11 +34,11 @@ void occluded_one(RTCScene scene, RTCRay* query) {
 }
 #endif
 
-void fill(RTCRay& query, const Ray& ray, float time, float distance) {
+void fill(RTCRay& query, const Ray& ray, float time, float nearest, float distance) {
   query.org_x = ray.origin.x;
   query.org_y = ray.origin.y;
   query.org_z = ray.origin.z;
-  query.tnear = 0;
+  query.tnear = nearest;
   query.dir_x = ray.direction.x;
   query.dir_y = ray.direction.y;
   query.dir_z = ray.direction.z;
@@ -54,12 +54,14 @@ void check(RTCDevice device, const char* what) {
     fail("Embree: {} failed with error {}; is there enough memory?", what, static_cast<int>(code));
 }
 
-void set_positions(RTCGeometry geometry, const Mesh& mesh, Vec3 shift, unsigned step) {
-  auto* target = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
+void set_positions(RTCGeometry geometry, const Object& object, int step, int pieces) {
+  auto* target = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step),
+                              RTC_FORMAT_FLOAT3, 3 * sizeof(float), object.mesh.positions.size()));
   if (target == nullptr) return;
-  for (const Vec3& position : mesh.positions) {
-    const Vec3 p = position + shift;
+  const float time = static_cast<float>(step) / static_cast<float>(pieces);
+  for (const Vec3& position : object.mesh.positions) {
+    const Vec3 p = step == 0 ? position : object.motion.point(position, time);
     *target++ = p.x;
     *target++ = p.y;
     *target++ = p.z;
@@ -90,10 +92,9 @@ RayTracer::RayTracer(const std::vector<const Object*>& objects) : handles_(std::
   for (size_t i = 0; i < objects.size(); ++i) {
     const Object& object = *objects[i];
     RTCGeometry geometry = rtcNewGeometry(handles->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    const bool moves = !is_black(object.motion);
-    if (moves) rtcSetGeometryTimeStepCount(geometry, 2);
-    set_positions(geometry, object.mesh, {}, 0);
-    if (moves) set_positions(geometry, object.mesh, object.motion, 1);
+    const int pieces = object.motion.pieces(), steps = object.motion.still() ? 1 : pieces + 1;
+    if (steps > 1) rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
+    for (int step = 0; step < steps; ++step) set_positions(geometry, object, step, pieces);
     void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                               3 * sizeof(uint32_t), object.mesh.triangles.size());
     check(handles->device, "making a mesh");
@@ -108,9 +109,9 @@ RayTracer::RayTracer(const std::vector<const Object*>& objects) : handles_(std::
 
 RayTracer::~RayTracer() = default;
 
-bool RayTracer::intersect(const Ray& ray, float time, Hit& hit) const {
+bool RayTracer::intersect(const Ray& ray, float time, Hit& hit, float nearest) const {
   RTCRayHit query;
-  fill(query.ray, ray, time, std::numeric_limits<float>::infinity());
+  fill(query.ray, ray, time, nearest, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   intersect_one(handles_->scene, &query);
@@ -126,7 +127,7 @@ bool RayTracer::intersect(const Ray& ray, float time, Hit& hit) const {
 
 bool RayTracer::occluded(const Ray& ray, float time, float distance) const {
   RTCRay query;
-  fill(query, ray, time, distance);
+  fill(query, ray, time, 0, distance);
   occluded_one(handles_->scene, &query);
   return query.tfar < 0;
 }

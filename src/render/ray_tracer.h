@@ -18,7 +18,7 @@ struct Hit {
   Vec3 normal;         // of the triangle, not normalised, on its counter-clockwise side
 };
 
-/// Acceleration structure over meshes at shutter open that move linearly to shutter close. Immutable once
+/// Acceleration structure over meshes with their motion while the shutter is open. Immutable once
 /// built, so any number of threads may ask it. Throws Error when Embree fails.
 class RayTracer {
  public:
@@ -27,8 +27,8 @@ class RayTracer {
   RayTracer(const RayTracer&) = delete;
   RayTracer& operator=(const RayTracer&) = delete;
 
-  /// The nearest hit; false when there is none.
-  bool intersect(const Ray& ray, float time, Hit& hit) const;
+  /// The nearest hit beyond `nearest`; false when there is none.
+  bool intersect(const Ray& ray, float time, Hit& hit, float nearest = 0) const;
   /// Whether anything lies between 0 and `distance` (both ends excluded).
   bool occluded(const Ray& ray, float time, float distance) const;
 

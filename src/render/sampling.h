@@ -1,6 +1,8 @@
 // Warps of uniform numbers to directions and points, with their densities, and the power heuristic.
 #pragma once
 
+#include <cstddef>
+
 #include "render/vec3.h"
 
 namespace ld {
@@ -31,6 +33,21 @@ inline Vec3 sample_cone(float cos_radius, float u, float v) {
 /// Uniform on the unit sphere.
 inline Vec3 sample_sphere(float u, float v) {
   return sample_cone(-1, u, v);
+}
+
+/// Share of bin i in a cumulative distribution that ends at 1.
+inline float bin_share(const float* cumulative, size_t i) {
+  return cumulative[i] - (i == 0 ? 0 : cumulative[i - 1]);
+}
+
+/// The bin that u in [0, 1) falls into, and u stretched to [0, 1) within it. Never an empty bin, unless all
+/// are.
+inline size_t choose_bin(const float* cumulative, size_t count, float& u) {
+  auto i = static_cast<size_t>(std::upper_bound(cumulative, cumulative + count, u) - cumulative);
+  if (i == count) --i;  // rounding left the last sum below 1
+  while (i > 0 && bin_share(cumulative, i) <= 0) --i;
+  u = std::clamp((u - (i == 0 ? 0 : cumulative[i - 1])) / bin_share(cumulative, i), 0.0F, 0x1.fffffep-1F);
+  return i;
 }
 
 /// Weight of the strategy with density `own` beside one with density `other` (Veach 1997, beta = 2).

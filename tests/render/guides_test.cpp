@@ -23,7 +23,9 @@ enum Channel {
   kCoc,
   kLensX,
   kLensY,
-  kTime
+  kTime,
+  kFlowX,
+  kFlowY
 };
 
 /// A ball of radius 1 at depth 5 and a wall at depth 8, the camera at the origin looking along -z.
@@ -130,14 +132,14 @@ TEST(Guides, CircleOfConfusionIsWhereTheRaysLand) {
 TEST(Guides, MotionIsInPixelsRightAndDown) {
   Scene scene = ball_and_wall();
   scene.camera.shutter = true;
-  scene.objects[1].motion = {0.5F, 0.25F, 0};  // right and up, at depth 8: 64 / 8 pixels a unit
+  scene.objects[1].motion.translation = {0.5F, 0.25F, 0};  // right and up, at depth 8: 64 / 8 pixels a unit
   auto v = sample_at(scene, {2, 2, {}, 0.3F});
   EXPECT_NEAR(v[kMotionX], 4, 1e-3);
   EXPECT_NEAR(v[kMotionY], -2, 1e-3);
   EXPECT_EQ(v[kTime], 0.3F);
   // Away from the camera: the point that is seen at time t at pixel offset o came from o d(t) / 8 and goes to
   // o d(t) / 10.
-  scene.objects[1].motion = {0, 0, -2};
+  scene.objects[1].motion.translation = {0, 0, -2};
   v = sample_at(scene, {12, 52, {}, 0.5F});
   EXPECT_NEAR(v[kDepth], 9, 1e-4);
   EXPECT_NEAR(v[kMotionX], -20 * 9 * (1.0 / 10 - 1.0 / 8), 1e-3);
@@ -151,7 +153,7 @@ TEST(Guides, MotionIsInPixelsRightAndDown) {
 TEST(Guides, MovingObjectsStandWhereTheirTimeSays) {
   Scene scene = ball_and_wall();
   scene.camera.shutter = true;
-  scene.objects[0].motion = {0, 0, 2};
+  scene.objects[0].motion.translation = {0, 0, 2};
   for (const float time : {0.0F, 0.25F, 1.0F})
     EXPECT_NEAR(sample_at(scene, {32, 32, {}, time})[kDepth], 4 - 2 * time, 2e-3);
 }
@@ -211,6 +213,7 @@ Frame turn_frame(const Frame& frame, const Turn& turn) {
         turn_pair(kNormalX, kNormalY, 1);
         turn_pair(kMotionX, kMotionY, -1);
         turn_pair(kLensX, kLensY, 1);
+        turn_pair(kFlowX, kFlowY, -1);
       }
   return result;
 }

@@ -113,7 +113,7 @@ TEST(PreparedScene, NamesWhatIsWrongWithAScene) {
 
 TEST(PreparedScene, SeesAndShadowsMovingObjects) {
   Scene scene;
-  scene.objects.push_back({make_sphere(3), 0, {4, 0, 0}});
+  scene.objects.push_back({make_sphere(3), 0, Vec3{4, 0, 0}});
   scene.materials.push_back({});
   const PreparedScene prepared(scene);
   const Ray ray = {{0, 0, 5}, {0, 0, -1}}, later = {{4, 0, 5}, {0, 0, -1}};

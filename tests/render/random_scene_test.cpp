@@ -33,7 +33,7 @@ TEST(RandomScene, SharesAndVariety) {
     EXPECT_EQ(is_indoor, !scene.lights.empty());
     defocus += scene.camera.lens_radius > 0;
     const bool moves = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                   [](const Object& object) { return !is_black(object.motion); });
+                                   [](const Object& object) { return !object.motion.still(); });
     motion += scene.camera.shutter;
     EXPECT_FALSE(moves && !scene.camera.shutter);
     for (const Material& material : scene.materials) {
