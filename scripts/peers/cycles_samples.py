@@ -4,7 +4,7 @@ import math
 import bpy
 
 # A pixel of the passes is what one camera ray met, as long as a file holds one sample a pixel.
-PASSES = ("combined", "z", "normal", "diffuse_color", "glossy_color", "vector")
+PASSES = ("combined", "z", "normal", "diffuse_color", "glossy_color", "vector", "mist")
 
 
 def sample_settings(scene, view_layer, bounces=None):
@@ -42,17 +42,37 @@ def sample_settings(scene, view_layer, bounces=None):
     image.exr_codec = "ZIP"
 
 
-def render(scene, path, spp, seed, depth=32):
-    """One multi-layer OpenEXR file. With depth 16 colours are half floats; other passes stay floats."""
+def measure_by_mist(scene, start, depth):
+    """Makes the pass Mist the distance to the camera's centre: (distance - start) / depth, 1 where the ray escaped."""
+    if scene.world is None:  # no world is black; so is this one
+        scene.world = bpy.data.worlds.new("mist")
+        scene.world.use_nodes = True
+        scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0
+    mist = scene.world.mist_settings
+    mist.start, mist.depth, mist.falloff = start, depth, "LINEAR"
+
+
+def render(scene, path, spp, seed, depth=32, first=0):
+    """One multi-layer OpenEXR file of the samples first, first + 1, ... of the sequence that `seed` names.
+
+    Cycles sends sample 0 through the middle of the pixel, so a single sample should be another one; the passes Depth and
+    Position are of sample 0 only, though. With depth 16 colours are half floats; other passes stay floats.
+    """
     scene.render.image_settings.color_depth = str(depth)
-    scene.cycles.samples = spp
-    scene.cycles.seed = seed
+    cycles = scene.cycles
+    cycles.seed = seed
+    cycles.samples = spp
+    cycles.sample_offset = first
+    if hasattr(cycles, "use_sample_subset"):  # since Blender 4.5
+        cycles.use_sample_subset = first > 0
+        cycles.sample_subset_length = spp
+        cycles.samples = first + spp
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True, scene=scene.name)
 
 
 def camera_of(scene):
-    """The camera at the present frame, as ld_import takes it; see camera_file.py."""
+    """The camera at the present frame, as ld_import takes it (see camera_file.py), and its projection."""
     graph = bpy.context.evaluated_depsgraph_get()
     camera = scene.camera.evaluated_get(graph)
     size = (scene.render.resolution_x, scene.render.resolution_y)
@@ -60,4 +80,4 @@ def camera_of(scene):
                                            scale_y=scene.render.pixel_aspect_y)
     matrix = camera.matrix_world.normalized()
     return {"camera_to_world": [list(row) for row in matrix], "fov_y": 2 * math.atan(1 / projection[1][1]),
-            "width": size[0], "height": size[1]}
+            "width": size[0], "height": size[1], "projection": [list(row) for row in projection]}
