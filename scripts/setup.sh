@@ -12,7 +12,8 @@ packages=(
   libopenblas0-openmp        # with the reference BLAS everything is 40 times slower
   libopenexr-dev libopenimageio-dev openimageio-tools
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
-  libembree-dev
+  libembree-dev libassimp-dev
+  assimp-testmodels          # scenes that the tests read
   libhwy-dev
   libgtest-dev
 )

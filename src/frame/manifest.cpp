@@ -123,11 +123,13 @@ Manifest parse_manifest(const fs::path& path) {
   for (size_t i = 0; i < frames.size(); ++i) {
     const std::string where = fmt::format("{}: frames[{}]", file, i);
     const Entry entry(frames[i], where);
-    entry.known({"name", "split", "index", "checksum", "reference_checksum"});
+    entry.known({"name", "split", "index", "sequence", "position", "checksum", "reference_checksum"});
     ManifestFrame frame;
     frame.name = entry.text("name");
     frame.split = entry.text("split");
     if (entry.find("index") != nullptr) frame.index = entry.whole<int64_t>("index");
+    if (entry.find("sequence") != nullptr) frame.sequence = entry.whole<int64_t>("sequence");
+    if (entry.find("position") != nullptr) frame.position = entry.whole<int64_t>("position");
     frame.checksum = entry.text_or_empty("checksum");
     frame.reference_checksum = entry.text_or_empty("reference_checksum");
     check_frame(frame, where);
@@ -150,6 +152,8 @@ std::string manifest_text(const fs::path& path, const Manifest& manifest) {
   root["frames"] = nlohmann::ordered_json::array();
   for (const ManifestFrame& frame : manifest.frames) {
     nlohmann::ordered_json entry = {{"name", frame.name}, {"split", frame.split}, {"index", frame.index}};
+    if (frame.sequence) entry["sequence"] = *frame.sequence;
+    if (frame.position) entry["position"] = *frame.position;
     if (!frame.checksum.empty()) entry["checksum"] = frame.checksum;
     if (!frame.reference_checksum.empty()) entry["reference_checksum"] = frame.reference_checksum;
     root["frames"].push_back(std::move(entry));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ struct ManifestFrame {
   std::string name;   // "frame_000012": NAME.exr holds the samples, NAME.reference.exr the reference
   std::string split;  // "train", "validation" or "test"
   int64_t index = 0;  // frame of the recipe
+  std::optional<int64_t> sequence,
+      position;                              // of frames that follow one another: which sequence, where in it
   std::string checksum, reference_checksum;  // core/checksum.h; empty: not checked (hand-written manifests)
 };
 

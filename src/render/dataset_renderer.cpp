@@ -11,12 +11,14 @@
 
 #include "core/checksum.h"
 #include "core/error.h"
+#include "core/file_io.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "core/threads.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
 #include "render/image_renderer.h"
+#include "render/scene_source.h"
 
 namespace ld {
 namespace {
@@ -28,6 +30,23 @@ Manifest manifest_of(const Recipe& recipe) {
   return manifest;
 }
 
+bool is_whole(const Recipe& recipe, const std::filesystem::path& folder,
+              const std::map<std::string, ManifestFrame>& held, int64_t frame) {
+  for (int64_t instance = 0; instance < recipe.sequence.noise_instances; ++instance) {
+    const std::string name = frame_name(frame, instance);
+    const auto entry = held.find(name);
+    if (entry == held.end()) return false;
+    try {
+      verify_frame(folder, entry->second);
+    } catch (const Error& error) {
+      spdlog::warn("{}; rendering it again", error.what());
+      return false;
+    }
+    if (recipe.half_radiance && !std::filesystem::exists(half_path(folder, name))) return false;
+  }
+  return true;
+}
+
 /// Frames of [begin, end) that the folder does not hold complete.
 std::vector<int64_t> missing_frames(const Recipe& recipe, const std::filesystem::path& folder, int64_t begin,
                                     int64_t end) {
@@ -35,18 +54,8 @@ std::vector<int64_t> missing_frames(const Recipe& recipe, const std::filesystem:
   std::map<std::string, ManifestFrame> held;
   for (const ManifestFrame& frame : read_manifest(folder).frames) held[frame.name] = frame;
   std::vector<int64_t> missing;
-  for (int64_t frame = begin; frame < end; ++frame) {
-    const auto entry = held.find(frame_name(frame));
-    if (entry != held.end()) {
-      try {
-        verify_frame(folder, entry->second);
-        continue;
-      } catch (const Error& error) {
-        spdlog::warn("{}; rendering it again", error.what());
-      }
-    }
-    missing.push_back(frame);
-  }
+  for (int64_t frame = begin; frame < end; ++frame)
+    if (!is_whole(recipe, folder, held, frame)) missing.push_back(frame);
   return missing;
 }
 
@@ -71,7 +80,7 @@ class PathCounter {
 class DatasetRenderer {
  public:
   DatasetRenderer(const Recipe& recipe, std::filesystem::path folder, PathCounter& counter)
-      : recipe_(recipe), folder_(std::move(folder)), counter_(counter) {}
+      : recipe_(recipe), source_(make_scene_source(recipe)), folder_(std::move(folder)), counter_(counter) {}
 
   void render_frame(int64_t frame, int threads) {
     if (stop_requested()) return;
@@ -81,43 +90,95 @@ class DatasetRenderer {
     settings.frame = static_cast<uint32_t>(frame);
     settings.threads = threads;
     settings.path.max_bounces = static_cast<int>(recipe_.max_bounces);
+    settings.path.guides_through_specular = recipe_.guides == "through_specular";
+    settings.low_discrepancy = recipe_.sampling == "low_discrepancy";
     settings.stop = stop_requested;
     settings.progress = [this](int64_t paths) { counter_.add(paths); };
 
-    const auto scene =
-        prepare_random_scene(recipe_.scenes, recipe_.seed, settings.frame, recipe_.width(), recipe_.height());
+    const auto scene = source_->prepare(frame);
     settings.spp = static_cast<int>(recipe_.spp);
-    std::optional<Frame> samples = render_samples(*scene, settings);
-    if (!samples) return;
+    std::vector<Frame> samples;  // every instance, each followed by its halved companion if there is one
+    for (int64_t instance = 0; instance < recipe_.sequence.noise_instances; ++instance) {
+      if (!add_samples(*scene, settings, frame, 2 * instance, samples)) return;
+      if (recipe_.half_radiance && !add_halved(*scene, settings, frame, 2 * instance + 1, samples)) return;
+    }
     settings.spp = static_cast<int>(recipe_.reference_spp_of(frame));
     const std::optional<Image> reference = render_reference(*scene, settings);
     if (!reference) return;
-    write(frame, *samples, *reference);
+    write(frame, samples, *reference);
   }
 
   int64_t finished() const { return finished_; }
   int64_t clamped() const { return clamped_; }
 
  private:
-  void write(int64_t frame, Frame& samples, const Image& reference) {
-    ManifestFrame entry;
-    entry.name = frame_name(frame);
-    entry.split = recipe_.split(frame);
-    entry.index = frame;
-    samples.info.generator = "ld_render " LD_VERSION;
-    clamped_ += write_frame(frame_path(folder_, entry.name), samples);
-    write_image(reference_path(folder_, entry.name), reference);
-    entry.checksum = file_checksum(frame_path(folder_, entry.name));
-    entry.reference_checksum = file_checksum(reference_path(folder_, entry.name));
-    // The entry comes last: a frame without one is rendered again.
+  /// Samples of their own random numbers for each `stream` of a frame; false when stopped.
+  bool add_samples(const PreparedScene& scene, RenderSettings settings, int64_t frame, int64_t stream,
+                   std::vector<Frame>& samples) const {
+    // Recipes have fewer than 2^27 frames (SplitNumbers), so that the upper bits are free.
+    settings.frame += static_cast<uint32_t>(stream) << 27;
+    std::optional<Frame> rendered = render_samples(scene, settings);
+    if (!rendered) return false;
+    rendered->info.frame = frame;
+    rendered->info.generator = "ld_render " LD_VERSION;
+    if (recipe_.sequence.used()) rendered->features = feature_names();  // with `flow`
+    samples.push_back(std::move(*rendered));
+    return true;
+  }
+
+  bool add_halved(const PreparedScene& scene, const RenderSettings& settings, int64_t frame, int64_t stream,
+                  std::vector<Frame>& samples) const {
+    Scene halved = scene.scene();
+    halved.camera.width = (halved.camera.width + 1) / 2;
+    halved.camera.height = (halved.camera.height + 1) / 2;
+    return add_samples(PreparedScene(std::move(halved)), settings, frame, stream, samples);
+  }
+
+  void write(int64_t frame, const std::vector<Frame>& samples, const Image& reference) {
+    // The entries come last: a frame without one is rendered again.
     Manifest addition = manifest_of(recipe_);
-    addition.frames.push_back(entry);
+    const size_t step = recipe_.half_radiance ? 2 : 1;
+    for (size_t i = 0; i < samples.size(); i += step) {
+      ManifestFrame entry;
+      entry.name = frame_name(frame, static_cast<int64_t>(i / step));
+      entry.split = recipe_.split(frame);
+      entry.index = frame;
+      if (recipe_.sequence.used()) {
+        entry.sequence = recipe_.sequence_of(frame);
+        entry.position = recipe_.position_of(frame);
+      }
+      clamped_ += write_frame(frame_path(folder_, entry.name), samples[i]);
+      if (recipe_.half_radiance) clamped_ += write_frame(half_path(folder_, entry.name), samples[i + 1]);
+      if (i == 0)
+        write_image(reference_path(folder_, entry.name), reference);
+      else
+        share_reference(frame_name(frame), entry.name);
+      entry.checksum = file_checksum(frame_path(folder_, entry.name));
+      entry.reference_checksum = file_checksum(reference_path(folder_, entry.name));
+      addition.frames.push_back(std::move(entry));
+    }
     const std::lock_guard<std::mutex> lock(manifest_mutex_);
     add_to_manifest(folder_, addition);
     ++finished_;
   }
 
+  /// All noise instances have one reference: the same file under several names where the file system can do
+  /// that.
+  void share_reference(const std::string& first, const std::string& name) const {
+    const std::filesystem::path from = reference_path(folder_, first), to = reference_path(folder_, name);
+    write_atomically(to, [&](const std::filesystem::path& temporary) {
+      std::error_code cannot_link;
+      std::filesystem::remove(temporary);
+      std::filesystem::create_hard_link(from, temporary, cannot_link);
+      if (!cannot_link) return;
+      std::error_code cannot_copy;
+      std::filesystem::copy_file(from, temporary, cannot_copy);
+      if (cannot_copy) fail("cannot write {}: {}", to.string(), cannot_copy.message());
+    });
+  }
+
   const Recipe& recipe_;
+  std::unique_ptr<SceneSource> source_;
   std::filesystem::path folder_;
   PathCounter& counter_;
   std::mutex manifest_mutex_;
@@ -125,6 +186,10 @@ class DatasetRenderer {
 };
 
 }  // namespace
+
+std::filesystem::path half_path(const std::filesystem::path& folder, const std::string& name) {
+  return folder / (name + ".half.exr");
+}
 
 RenderReport render_dataset(const Recipe& recipe, const std::filesystem::path& folder, int64_t begin,
                             int64_t end, int threads) {

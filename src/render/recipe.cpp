@@ -7,10 +7,10 @@
 namespace ld {
 namespace {
 
-void check_pair(const std::filesystem::path& path, const char* key, const std::vector<int64_t>& values,
+void check_pair(const std::string& name, const char* key, const std::vector<int64_t>& values,
                 const char* expected) {
   if (values.size() != 2)
-    fail_usage("{}: {}: expected two numbers, [{}], found {}", path.string(), key, expected, values.size());
+    fail_usage("{}: {}: expected two numbers, [{}], found {}", name, key, expected, values.size());
 }
 
 int64_t parse_bound(const std::string& text, const std::string& whole) {
@@ -33,8 +33,35 @@ int64_t Recipe::reference_spp_of(int64_t frame) const {
   return frame < frames.train + frames.validation ? reference_spp.validation : reference_spp.test;
 }
 
-std::string frame_name(int64_t frame) {
-  return fmt::format("frame_{:06}", frame);
+int64_t Recipe::paths(int64_t frame) const {
+  const int64_t pixels = resolution[0] * resolution[1];
+  const int64_t halved = half_radiance ? ((resolution[0] + 1) / 2) * ((resolution[1] + 1) / 2) : 0;
+  return (pixels + halved) * spp * sequence.noise_instances + pixels * reference_spp_of(frame);
+}
+
+std::string frame_name(int64_t frame, int64_t instance) {
+  const std::string name = fmt::format("frame_{:06}", frame);
+  return instance == 0 ? name : fmt::format("{}_n{}", name, instance);
+}
+
+void finish_recipe(Recipe& recipe, const std::string& name, const std::filesystem::path& folder) {
+  check_pair(name, "resolution", recipe.resolution, "width, height");
+  check_pair(name, "scenes.objects", recipe.scenes.objects, "fewest, most");
+  if (recipe.scenes.objects[0] > recipe.scenes.objects[1])
+    fail_usage("{}: scenes.objects: expected [fewest, most], found [{}, {}]; swap them", name,
+               recipe.scenes.objects[0], recipe.scenes.objects[1]);
+  if (recipe.frame_count() == 0)
+    fail_usage("{}: frames: expected at least one frame in train, validation or test, found none", name);
+  constexpr int64_t kMostFrames = 100000000;  // they are counted in 27 bits
+  if (recipe.frame_count() > kMostFrames)
+    fail_usage("{}: frames: expected at most {} in all, found {}", name, kMostFrames, recipe.frame_count());
+  const int64_t length = recipe.sequence.length;
+  for (const int64_t count : {recipe.frames.train, recipe.frames.validation, recipe.frames.test})
+    if (count % length != 0)
+      fail_usage(
+          "{}: frames: a split of {} frames cuts a sequence of {}; expected multiples of sequence.length",
+          name, count, length);
+  resolve(recipe.scene_file, folder);
 }
 
 Recipe read_recipe(const std::filesystem::path& path, const std::vector<std::string>& overrides,
@@ -43,14 +70,7 @@ Recipe read_recipe(const std::filesystem::path& path, const std::vector<std::str
   for (const std::string& assignment : overrides) apply_override(tree, assignment);
   auto recipe = config_from_tree<Recipe>(tree);
   if (seed) recipe.seed = *seed;
-  check_pair(path, "resolution", recipe.resolution, "width, height");
-  check_pair(path, "scenes.objects", recipe.scenes.objects, "fewest, most");
-  if (recipe.scenes.objects[0] > recipe.scenes.objects[1])
-    fail_usage("{}: scenes.objects: expected [fewest, most], found [{}, {}]; swap them", path.string(),
-               recipe.scenes.objects[0], recipe.scenes.objects[1]);
-  if (recipe.frame_count() == 0)
-    fail_usage("{}: frames: expected at least one frame in train, validation or test, found none",
-               path.string());
+  finish_recipe(recipe, path.string(), path.parent_path());
   return recipe;
 }
 

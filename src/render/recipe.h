@@ -11,6 +11,7 @@
 
 #include "core/config_visitor.h"
 #include "render/random_scene.h"
+#include "render/scene_file_config.h"
 
 namespace ld {
 
@@ -35,7 +36,12 @@ struct Recipe {
   SplitNumbers reference_spp = {1024, 1024, 1024, 1};
   SplitNumbers frames = {64, 4, 8, 0};
   int64_t max_bounces = 5;
+  std::string sampling = "independent";  // of the frames' samples; low_discrepancy spreads a pixel's evenly
+  std::string guides = "first_hit";      // or through_specular: what mirrors and glass show
+  bool half_radiance = false;            // samples at half the width and height beside each frame
   SceneConfig scenes;
+  SceneFileConfig scene_file;  // in place of `scenes` where it has a path
+  SequenceConfig sequence;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -45,7 +51,12 @@ struct Recipe {
     v.section("reference_spp", reference_spp);
     v.section("frames", frames);
     v.field("max_bounces", max_bounces, Range{0, 1000});
+    v.field("sampling", sampling, {"independent", "low_discrepancy"});
+    v.field("guides", guides, {"first_hit", "through_specular"});
+    v.field("half_radiance", half_radiance);
     v.section("scenes", scenes);
+    v.section("scene_file", scene_file);
+    v.section("sequence", sequence);
   }
 
   int width() const { return static_cast<int>(resolution[0]); }
@@ -54,14 +65,19 @@ struct Recipe {
   /// "train", "validation" or "test"; `frame` in [0, frame_count()).
   std::string split(int64_t frame) const;
   int64_t reference_spp_of(int64_t frame) const;
-  /// Paths of the frame's samples and its reference.
-  int64_t paths(int64_t frame) const {
-    return resolution[0] * resolution[1] * (spp + reference_spp_of(frame));
-  }
+  /// Which sequence a frame belongs to, and its place in it; with one frame a sequence the frame and 0.
+  int64_t sequence_of(int64_t frame) const { return frame / sequence.length; }
+  int64_t position_of(int64_t frame) const { return frame % sequence.length; }
+  /// Paths of the frame's samples, in all their instances, and of its reference.
+  int64_t paths(int64_t frame) const;
 };
 
-/// "frame_000012"
-std::string frame_name(int64_t frame);
+/// "frame_000012"; further noise instances of it "frame_000012_n1", "frame_000012_n2"...
+std::string frame_name(int64_t frame, int64_t instance = 0);
+
+/// Checks what one field cannot know of another, and finds the files (paths go from `folder`). `name` is what
+/// complaints call the recipe. Throws UsageError; Error for a file that is missing.
+void finish_recipe(Recipe& recipe, const std::string& name, const std::filesystem::path& folder);
 
 /// File, then "key=value" overrides, then the seed. Throws Error when the file is missing, UsageError when it
 /// is wrong.
