@@ -1,5 +1,6 @@
 #include "render/coat.h"
 
+#include <cstdint>
 #include <vector>
 
 #include "render/microfacet.h"
@@ -8,7 +9,7 @@ namespace ld {
 namespace {
 
 // Cosines are spaced as squares, because Fresnel rises at grazing angles; alphas as squares of the roughness.
-constexpr int kCosines = 48, kAlphas = 16, kIndices = 12;
+constexpr int kCosines = 32, kAlphas = 13, kIndices = 8;
 constexpr float kLowest = 1.01F, kHighest = 2.6F;
 
 struct Row {
@@ -32,18 +33,20 @@ float look_up(const float* albedo, float cos) {
 
 /// Reflected share of the light from one direction: the mean of F G1 over visible normals.
 float reflected(float cos, float alpha, float ior) {
-  constexpr int kSide = 12;
+  constexpr int kPoints = 1024;
   const float z = std::max(cos, 1e-3F);
   const Vec3 wo = {std::sqrt(1 - z * z), 0, z};
   float sum = 0;
-  for (int i = 0; i < kSide; ++i)
-    for (int j = 0; j < kSide; ++j) {
-      const Vec3 m = sample_ggx_visible_normal(wo, alpha, (static_cast<float>(i) + 0.5F) / kSide,
-                                               (static_cast<float>(j) + 0.5F) / kSide);
-      const Vec3 wi = m * (2 * dot(wo, m)) - wo;
-      if (wi.z > 0) sum += fresnel_dielectric(dot(wo, m), ior) * ggx_masking(wi, alpha);
-    }
-  return sum / (kSide * kSide);
+  // The additive recurrence of Roberts ("The unreasonable effectiveness of quasirandom sequences", 2018), 32
+  // bits of it.
+  uint32_t u = 0x80000000U, v = 0x80000000U;
+  for (int i = 0; i < kPoints; ++i, u += 0xC13FA9A9U, v += 0x91E10DA5U) {
+    const Vec3 m = sample_ggx_visible_normal(wo, alpha, static_cast<float>(u >> 8) * 0x1p-24F,
+                                             static_cast<float>(v >> 8) * 0x1p-24F);
+    const Vec3 wi = m * (2 * dot(wo, m)) - wo;
+    if (wi.z > 0) sum += fresnel_dielectric(dot(wo, m), ior) * ggx_masking(wi, alpha);
+  }
+  return sum / kPoints;
 }
 
 Row make_row(float alpha, float ior) {

@@ -9,7 +9,7 @@ namespace {
 /// bottom.
 Vec2 to_picture(Vec3 d) {
   const float azimuth = std::atan2(d.x, -d.z) / (2 * kPi) + 0.5F;
-  const float polar = std::acos(std::clamp(d.y, -1.0F, 1.0F)) / kPi;
+  const float polar = std::atan2(std::hypot(d.x, d.z), d.y) / kPi;  // acos loses its digits near the poles
   return {azimuth < 1 ? azimuth : 0, polar};
 }
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/random.h"
+#include "render/coat.h"
+#include "render/metals.h"
 #include "render/microfacet.h"
 
 namespace ld {
@@ -20,6 +22,19 @@ Bsdf make_bsdf(MaterialKind kind, float alpha, float eta) {
   return {kind, kind == MaterialKind::diffuse ? grey(0.7F) : grey(1), alpha, eta};
 }
 
+Bsdf coated(MaterialKind kind, float coat_alpha, float ior, float base_alpha) {
+  Bsdf bsdf = make_bsdf(kind, coat_alpha, ior);
+  bsdf.base_alpha = base_alpha;
+  return bsdf;
+}
+
+Bsdf metal(size_t which, float alpha) {
+  Bsdf bsdf = make_bsdf(MaterialKind::rough_conductor, alpha, 1);
+  bsdf.metal_eta = metals()[which].eta;
+  bsdf.metal_k = metals()[which].k;
+  return bsdf;
+}
+
 const std::vector<Case> kRoughCases = {
     {"diffuse", make_bsdf(MaterialKind::diffuse, 1, 1)},
     {"conductor, alpha 0.1", make_bsdf(MaterialKind::rough_conductor, 0.1F, 1)},
@@ -28,6 +43,10 @@ const std::vector<Case> kRoughCases = {
     {"glass from outside, alpha 0.4", make_bsdf(MaterialKind::rough_dielectric, 0.4F, 1.5F)},
     {"glass from inside, alpha 0.1", make_bsdf(MaterialKind::rough_dielectric, 0.1F, 1 / 1.5F)},
     {"glass from inside, alpha 0.4", make_bsdf(MaterialKind::rough_dielectric, 0.4F, 1 / 1.5F)},
+    {"silver, alpha 0.3", metal(0, 0.3F)},
+    {"plastic, coat alpha 0.1", coated(MaterialKind::plastic, 0.1F, 1.5F, 1)},
+    {"plastic, coat alpha 0.6", coated(MaterialKind::plastic, 0.6F, 1.7F, 1)},
+    {"coated metal, coat alpha 0.2", coated(MaterialKind::coated_metal, 0.2F, 1.5F, 0.4F)},
 };
 constexpr float kViewCosines[] = {0.95F, 0.6F, 0.25F};
 
@@ -168,6 +187,78 @@ TEST(Bsdf, NeverReturnsMoreThanItGot) {
         }
       EXPECT_LT(energy, 1.005) << c.name << ", cosine " << cosine;
       EXPECT_GT(energy, c.bsdf.kind == MaterialKind::diffuse ? 0.69 : 0.6) << c.name << ", cosine " << cosine;
+    }
+}
+
+TEST(Bsdf, SmoothCoatSharesItsDrawsWithTheBase) {
+  for (const MaterialKind kind : {MaterialKind::plastic, MaterialKind::coated_metal}) {
+    const Bsdf bsdf = coated(kind, 0, 1.5F, 0.3F);
+    EXPECT_FALSE(bsdf.is_delta());
+    for (const float cosine : kViewCosines) {
+      const Vec3 wo = direction(cosine, 0.4);
+      RandomStream random(14, RandomPurpose::test);
+      double mirrored = 0, based = 0;
+      constexpr int kDraws = 20000;
+      for (int k = 0; k < kDraws; ++k) {
+        const float u0 = random.uniform(), u1 = random.uniform(), u2 = random.uniform();
+        const auto drawn = bsdf.sample(wo, u0, u1, u2);
+        if (!drawn) continue;
+        (drawn->delta ? mirrored : based) += static_cast<double>(drawn->weight.x) / kDraws;
+        if (drawn->delta) {
+          EXPECT_FLOAT_EQ(drawn->wi.z, wo.z);
+          EXPECT_FLOAT_EQ(drawn->wi.x, -wo.x);
+        } else {
+          EXPECT_NEAR(drawn->weight.x * drawn->pdf, bsdf.evaluate(wo, drawn->wi).f_cos.x, 1e-4F);
+        }
+      }
+      const double fresnel = fresnel_dielectric(cosine, 1.5F);
+      EXPECT_NEAR(mirrored, fresnel, 0.02 * fresnel + 0.004);
+      // A white diffuse base returns all that passes the coat; a rough metal beneath it loses some.
+      if (kind == MaterialKind::plastic) {
+        EXPECT_NEAR(mirrored + based, 1, 0.02);
+      }
+      EXPECT_LT(mirrored + based, 1.02);
+      EXPECT_GT(mirrored + based, 0.6);
+    }
+  }
+}
+
+TEST(Bsdf, CoatAlbedoAgreesWithFresnelAndWithIntegration) {
+  for (const float ior : {1.3F, 1.5F, 2.0F}) {
+    const CoatAlbedo smooth(0, ior);
+    for (const float cosine : {1.0F, 0.7F, 0.3F, 0.08F})
+      EXPECT_NEAR(smooth.towards(cosine), fresnel_dielectric(cosine, ior), 0.01F) << ior << " " << cosine;
+    // A rough coat over a black base is all that evaluate() has then.
+    Bsdf black = coated(MaterialKind::plastic, 0.4F, ior, 1);
+    black.colour = {};
+    const CoatAlbedo rough(0.4F, ior);
+    constexpr int kGrid = 300;
+    for (const float cosine : kViewCosines) {
+      double sum = 0;
+      for (int i = 0; i < kGrid; ++i)
+        for (int j = 0; j < kGrid; ++j)
+          sum +=
+              black.evaluate(direction(cosine, 0), direction((i + 0.5) / kGrid, 2 * kPi * (j + 0.5) / kGrid))
+                  .f_cos.x *
+              2 * kPi / (kGrid * kGrid);
+      EXPECT_NEAR(rough.towards(cosine), sum, 0.003) << ior << " " << cosine;
+    }
+  }
+}
+
+TEST(Bsdf, MetalsReflectAsTheirIndexSays) {
+  for (const Metal& m : metals())
+    for (int c = 0; c < 3; ++c) {
+      const double n = m.eta[c], k = m.k[c];
+      const double normal = ((n - 1) * (n - 1) + k * k) / ((n + 1) * (n + 1) + k * k);
+      EXPECT_NEAR(fresnel_conductor(1, m.eta[c], m.k[c]), normal, 1e-5) << m.name;
+      EXPECT_NEAR(fresnel_conductor(0, m.eta[c], m.k[c]), 1, 1e-5) << m.name;
+      for (float cosine = 0.05F; cosine < 1; cosine += 0.05F) {
+        EXPECT_LE(fresnel_conductor(cosine, m.eta[c], m.k[c]), 1) << m.name;
+        EXPECT_GT(fresnel_conductor(cosine, m.eta[c], m.k[c]), 0.3F) << m.name;
+      }
+      // Without absorption it is the dielectric's formula.
+      EXPECT_NEAR(fresnel_conductor(0.3F, 1.5F, 0), fresnel_dielectric(0.3F, 1.5F), 1e-5F);
     }
 }
 

@@ -64,6 +64,48 @@ TEST(Furnace, DiffuseAndSmoothMaterialsReturnOne) {
     }
 }
 
+TEST(Furnace, WhitePlasticReturnsOne) {
+  for (const float roughness : {0.0F, 0.3F, 0.8F})
+    for (const float ior : {1.3F, 1.6F}) {
+      SCOPED_TRACE(fmt::format("roughness {}, index {}", roughness, ior));
+      Material plastic = plain_material(MaterialKind::plastic, grey(1), roughness);
+      plastic.ior = ior;
+      const Estimate found = mean_luminance(furnace(Shape::ball, plastic), {}, 256, 7);
+      EXPECT_NEAR(found.mean, 1, 0.01);
+      EXPECT_LT(found.error, 0.003);
+    }
+}
+
+TEST(Furnace, CoatedMetalsAndMixturesNeverReturnMore) {
+  Material coated = plain_material(MaterialKind::coated_metal, grey(1), 0.3F);
+  coated.base_roughness = 0.6F;
+  const Estimate found = mean_luminance(furnace(Shape::ball, coated), {}, 256, 8);
+  EXPECT_LT(found.mean, 1 + 4 * found.error);
+  EXPECT_GT(found.mean, 0.7) << "what the coat's inside throws back to the metal is left out";
+
+  // Half of the samples see white, half see black.
+  Scene scene = furnace(Shape::ball, plain_material(MaterialKind::diffuse, grey(1))).scene();
+  Material mixed;
+  mixed.kind = MaterialKind::mixed;
+  mixed.first = 1;
+  mixed.second = 2;
+  mixed.mask = plain_texture(grey(0.25F));
+  scene.materials = {mixed, plain_material(MaterialKind::diffuse, grey(1)),
+                     plain_material(MaterialKind::diffuse, grey(0))};
+  const Estimate half = mean_luminance(PreparedScene(scene), {}, 256, 9);
+  EXPECT_NEAR(half.mean, 0.75, 4 * half.error);
+  EXPECT_LT(half.error, 0.005);
+}
+
+TEST(Furnace, OpacityLetsTheSkyThrough) {
+  Material veil = plain_material(MaterialKind::diffuse, grey(0));
+  veil.opacity = plain_texture(grey(0.6F));
+  // Two walls of the black ball in a row.
+  const Estimate found = mean_luminance(furnace(Shape::ball, veil), {}, 256, 10);
+  EXPECT_NEAR(found.mean, 0.4 * 0.4, 4 * found.error);
+  EXPECT_LT(found.error, 0.005);
+}
+
 TEST(Furnace, DiffuseIsOneInEveryStrategy) {
   PathSettings settings;
   const PreparedScene scene = furnace(Shape::box, plain_material(MaterialKind::diffuse, grey(1)));
