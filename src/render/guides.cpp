@@ -47,7 +47,7 @@ void GuideRecorder::place(const Surface& surface) {
   guides_.coc = camera_.circle_of_confusion(guides_.depth);
   const bool object = surface.object >= 0;
   const Object* moving = object ? &scene_.scene().objects[static_cast<size_t>(surface.object)] : nullptr;
-  const Vec3 open = surface.texture.position;
+  const Vec3 open = surface.at_open;
   if (camera.shutter && (camera.close || (moving != nullptr && !moving->motion.still())))
     guides_.motion =
         shift(camera.at(0), open, camera.at(1), moving != nullptr ? moving->motion.point(open, 1) : open);

@@ -200,6 +200,8 @@ std::optional<LightSample> LightSampler::sample_triangle(const Scene& scene, con
   const Vec3 direction = towards / distance;
   const float pdf = solid_angle_pdf(chosen, which.area, distance, -dot(direction, normal));
   if (!(pdf > 0) || !std::isfinite(pdf)) return std::nullopt;
+  point.position = object.texture.still() ? point.position : object.texture.point(point.position, 1);
+  point.normal = object.texture.direction(point.normal, 1);
   const Vec3 radiance = scene.materials[static_cast<size_t>(object.material)].emission->evaluate(point);
   return LightSample{direction, distance, radiance, pdf, false};
 }

@@ -44,7 +44,7 @@ PreparedScene::PreparedScene(Scene scene) : scene_(std::move(scene)) {
   }
   light_objects_.reserve(scene_.lights.size());  // the tracer is given their addresses
   for (const AreaLight& light : scene_.lights) {
-    light_objects_.push_back({make_parallelogram(light.corner, light.edge_u, light.edge_v), -1, {}, {}});
+    light_objects_.push_back({make_parallelogram(light.corner, light.edge_u, light.edge_v), -1, {}});
     objects.push_back(&light_objects_.back());
   }
   if (objects.empty()) fail("scene '{}' has neither objects nor lights", scene_.name);
@@ -83,20 +83,25 @@ void PreparedScene::describe(const Hit& hit, float time, Surface& surface) const
   const float w = 1 - hit.u - hit.v;
   // From the corners, not along the ray: the error then does not grow with the distance.
   const std::vector<Vec3>& p = object.mesh.positions;
-  surface.texture.position = p[a] * w + p[b] * hit.u + p[c] * hit.v;
+  surface.at_open = p[a] * w + p[b] * hit.u + p[c] * hit.v;
   surface.geometric_normal = normalize(hit.normal);
   const std::vector<Vec3>& n = object.mesh.normals;
   if (object.motion.still()) {
-    surface.position = surface.texture.position;
+    surface.position = surface.at_open;
     surface.texture.normal = surface.geometric_normal;
     surface.shading_normal =
         n.empty() ? surface.geometric_normal : normalize(n[a] * w + n[b] * hit.u + n[c] * hit.v);
   } else {
-    surface.position = object.motion.point(surface.texture.position, time);
+    surface.position = object.motion.point(surface.at_open, time);
     surface.texture.normal = normalize(cross(p[b] - p[a], p[c] - p[a]));
     surface.shading_normal =
         n.empty() ? surface.geometric_normal
                   : object.motion.direction(normalize(n[a] * w + n[b] * hit.u + n[c] * hit.v), time);
+  }
+  surface.texture.position = surface.at_open;
+  if (!object.texture.still()) {
+    surface.texture.position = object.texture.point(surface.at_open, 1);
+    surface.texture.normal = object.texture.direction(surface.texture.normal, 1);
   }
   surface.texture.has_uv = !object.mesh.uvs.empty();
   if (surface.texture.has_uv) surface.texture.uv = blend(object.mesh.uvs, corners, w, hit.u, hit.v);

@@ -15,7 +15,8 @@ namespace ld {
 struct Surface {
   Vec3 position;
   Vec3 geometric_normal, shading_normal;  // unit, on the outside of the object
-  TexturePoint texture;                   // for materials: the same point at shutter open
+  Vec3 at_open;                           // the same point of the object at shutter open
+  TexturePoint texture;                   // for materials
   float distance = 0;                     // from the ray's origin
   int object = 0;                         // of Scene::objects, -1 on an area light
   int light = -1;                         // of Scene::lights, -1 elsewhere
@@ -44,6 +45,9 @@ class PreparedScene {
   Vec3 emitted(const Surface& surface, Vec3 direction, float& pdf) const;
   /// Of the sky or probe.
   Vec3 environment(Vec3 direction, float& pdf) const;
+
+  /// Another look at the same scene.
+  void set_camera(const Camera& camera) { scene_.camera = camera; }
 
   /// Multiplies the radiance of everything that shines.
   void scale_lights(float factor);

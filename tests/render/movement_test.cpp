@@ -109,8 +109,8 @@ TEST(Movement, TheTracerFindsTurningObjectsWhereTheyAre) {
     EXPECT_NEAR(hit->position.z, -5.9F, 1e-3);
     EXPECT_NEAR(hit->position.x, tip.x, 1e-3);
     EXPECT_NEAR(hit->position.y, tip.y, 1e-3);
-    EXPECT_NEAR(hit->texture.position.x, 1.9F, 3e-3) << "and knows where that point was at shutter open";
-    EXPECT_NEAR(hit->texture.position.y, 0, 3e-3);
+    EXPECT_NEAR(hit->at_open.x, 1.9F, 3e-3) << "and knows where that point was at shutter open";
+    EXPECT_NEAR(hit->at_open.y, 0, 3e-3);
     EXPECT_NEAR(hit->shading_normal.z, 1, 1e-4);
     const auto miss = prepared.trace({{tip.y + 0.5F, -tip.x, 0}, {0, 0, -1}}, time);
     EXPECT_FALSE(miss.has_value()) << time;
