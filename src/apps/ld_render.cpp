@@ -1,25 +1,48 @@
-// Random scenes to training frames: `ld_render --recipe FILE --out DIR [--frames A:B] [key.sub=value ...]`.
+// Random scenes, views of a scene file or sequences to training frames:
+// `ld_render --recipe FILE | --scene FILE --out DIR [--frames A:B] [key.sub=value ...]`.
 
 #include "apps/app.h"
+#include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
 #include "render/dataset_renderer.h"
 
 int main(int argc, char** argv) {
-  std::string recipe_path, folder, range;
+  std::string recipe_path, scene, probe, folder, range;
+  int64_t views = 0;
   std::vector<std::string> overrides;
   ld::Application app(
       "ld_render",
-      "Renders random scenes to frames of samples with references, a data set for training. Frames that "
-      "the folder holds already are kept, so running it again finishes what is missing.");
-  app.options().add_option("--recipe", recipe_path, "YAML recipe, see data/recipes")->required();
+      "Renders random scenes, or views of a scene file, to frames of samples with references, a data set for "
+      "training. Frames that the folder holds already are kept, so running it again finishes what is "
+      "missing.");
+  app.options().add_option("--recipe", recipe_path, "YAML recipe, see data/recipes");
+  app.options().add_option(
+      "--scene", scene,
+      "scene file instead of a recipe: glTF, or what else Assimp reads (docs/rendering.md)");
+  app.options().add_option("--probe", probe,
+                           "with --scene: equirectangular picture (HDR, EXR) as the background");
+  app.options()
+      .add_option(
+          "--views", views,
+          "with --scene: so many views, the file's cameras first (default: its cameras, at least one)")
+      ->check(CLI::Range(int64_t{1}, int64_t{1000000}));
   app.options().add_option("--out", folder, "folder of the data set")->required();
   app.options().add_option("--frames", range,
                            "A:B renders frames A to B - 1 of the recipe only (default: all)");
-  app.options().add_option("overrides", overrides, "key.sub=value, on top of the recipe");
+  app.options().add_option(
+      "overrides", overrides,
+      "key.sub=value, on top of the recipe: spp=8 reference_spp.train=4096 resolution=[512,512]; "
+      "max_bounces=5 are "
+      "the scatterings between camera and light (0: only what shines itself, 1: direct light)");
 
   return app.run(argc, argv, [&] {
-    const ld::Recipe recipe = ld::read_recipe(recipe_path, overrides, app.seed());
+    if (recipe_path.empty() == scene.empty())
+      ld::fail_usage("expected --recipe FILE or --scene FILE, one of them");
+    if (scene.empty() && (views != 0 || !probe.empty()))
+      ld::fail_usage("--views and --probe go with --scene; a recipe has frames and scene_file.probe");
+    const ld::Recipe recipe = scene.empty() ? ld::read_recipe(recipe_path, overrides, app.seed())
+                                            : ld::scene_recipe(scene, probe, views, overrides, app.seed());
     const auto [begin, end] = ld::parse_frame_range(range, recipe.frame_count());
 
     const ld::RenderReport report = ld::render_dataset(recipe, folder, begin, end, app.threads());

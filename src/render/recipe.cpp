@@ -1,8 +1,10 @@
 #include "render/recipe.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "core/error.h"
+#include "render/scene_file.h"
 
 namespace ld {
 namespace {
@@ -71,6 +73,23 @@ Recipe read_recipe(const std::filesystem::path& path, const std::vector<std::str
   auto recipe = config_from_tree<Recipe>(tree);
   if (seed) recipe.seed = *seed;
   finish_recipe(recipe, path.string(), path.parent_path());
+  return recipe;
+}
+
+Recipe scene_recipe(const std::string& scene, const std::string& probe, int64_t views,
+                    const std::vector<std::string>& overrides, std::optional<uint64_t> seed) {
+  if (views == 0) views = std::max<int64_t>(1, static_cast<int64_t>(SceneFile(scene).camera_count()));
+  Recipe given;
+  given.frames.validation = views / 8;
+  given.frames.test = views >= 8 ? views / 8 : views / 4;
+  given.frames.train = views - given.frames.validation - given.frames.test;
+  given.scene_file.path = scene;
+  given.scene_file.probe = probe;
+  ConfigNode tree = parse_config(config_to_yaml(given), "--scene");
+  for (const std::string& assignment : overrides) apply_override(tree, assignment);
+  auto recipe = config_from_tree<Recipe>(tree);
+  if (seed) recipe.seed = *seed;
+  finish_recipe(recipe, "--scene " + scene, "");
   return recipe;
 }
 

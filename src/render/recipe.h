@@ -84,6 +84,13 @@ void finish_recipe(Recipe& recipe, const std::string& name, const std::filesyste
 Recipe read_recipe(const std::filesystem::path& path, const std::vector<std::string>& overrides,
                    std::optional<uint64_t> seed);
 
+/// The recipe that `ld_render --scene` stands for: views of a scene file, one for each of its cameras (at
+/// least one) when `views` is 0. From eight views on an eighth of them is kept for validation and another for
+/// tests, of four to seven one for tests; all others are for training. The overrides come on top, then the
+/// seed. Throws as read_recipe.
+Recipe scene_recipe(const std::string& scene, const std::string& probe, int64_t views,
+                    const std::vector<std::string>& overrides, std::optional<uint64_t> seed);
+
 /// Parses "A:B", frames A to B - 1; either may be left out; "" is all. Throws UsageError when it does not
 /// fit.
 std::pair<int64_t, int64_t> parse_frame_range(const std::string& text, int64_t frame_count);

@@ -51,9 +51,11 @@ bool way_is_free(const PreparedScene& look, Vec3 pivot, Vec3 from, Vec3 to) {
   return true;
 }
 
-/// Whether enough of the picture shows something, and little of it is right before the lens.
-bool worth_seeing(const PreparedScene& look, const Camera& camera, float distance) {
+/// Whether enough of the picture shows the file's objects, and little of it is right before the lens.
+bool worth_seeing(const PreparedScene& look, const Camera& camera, float distance, bool ground) {
   constexpr int kGrid = 12;
+  const auto objects =
+      static_cast<int>(look.scene().objects.size()) - (ground ? 1 : 0);  // the ground comes last
   int seen = 0, near = 0;
   for (int j = 0; j < kGrid; ++j)
     for (int i = 0; i < kGrid; ++i) {
@@ -63,10 +65,10 @@ bool worth_seeing(const PreparedScene& look, const Camera& camera, float distanc
                                   0};
       const auto surface = look.trace(camera.at(0).ray(where), 0);
       if (!surface) continue;
-      ++seen;
+      if (surface->object < objects) ++seen;
       if (surface->distance < 0.05F * distance) ++near;
     }
-  return seen >= kGrid * kGrid / 10 && near < kGrid * kGrid / 8;
+  return seen >= kGrid * kGrid / 6 && near < kGrid * kGrid / 8;
 }
 
 /// The camera carried around what it looks at, `reach` of the whole way that is allowed.
@@ -161,7 +163,7 @@ SceneView choose_view(const SceneFile& file, const SceneFileConfig& config, cons
     view.camera.shutter = blurred;
     const Vec3 pivot = base.position - base.axes.z * view.distance;
     const bool good = way_is_free(look, pivot, base.position, view.camera.position) &&
-                      worth_seeing(look, view.camera, view.distance);
+                      worth_seeing(look, view.camera, view.distance, config.ground);
     if (!good && attempt < kAttempts) continue;
     view.name = thin_lens ? "view, defocus" : "view";
     if (thin_lens) add_defocus(view.camera, look, view.distance, random);
