@@ -47,7 +47,8 @@ def main():
     if options.blend is None:
         options.blend = renders / "example.blend"
         if not options.blend.exists():
-            call([sys.executable, HERE / "example_scene.py", options.blend.resolve()], renders / "example.log")
+            start = [options.blender, "-b", "--factory-startup", "-P"] if options.blender else [sys.executable]
+            call(start + [HERE / "example_scene.py", "--", options.blend.resolve()], renders / "example.log")
     if not options.blend.exists():
         dataset.stop(f"found no {options.blend}")
 
