@@ -36,12 +36,12 @@ struct Material {
 struct Object {
   Mesh mesh;  // at shutter open
   int material = 0;
-  Motion motion;  // while the shutter is open
-  Motion previous = {
-      Motion texture = {};  // at time 1 it takes a point at shutter open to where its material looks textures
-                            // up: where a mesh is made anew for each frame of a sequence, they stick to it
-};  // at time 1 it takes a point at shutter open to where it was at the previous frame's
-};  // namespace ld
+  Motion motion;         // while the shutter is open
+  Motion previous = {};  // at time 1 it takes a point at shutter open to where it was at the previous frame's
+  // At time 1 it takes a point at shutter open to where its material looks textures up: where a mesh is made
+  // anew for each frame of a sequence, they stick to it.
+  Motion texture = {};
+};
 
 /// A parallelogram that shines to the side of cross(edge_u, edge_v) and is black otherwise.
 struct AreaLight {
