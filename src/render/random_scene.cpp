@@ -3,296 +3,137 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/noise.h"
-#include "render/path_tracer.h"
+#include "core/error.h"
+#include "render/outdoors.h"
 #include "render/random_materials.h"
-#include "render/random_objects.h"
-#include "render/sampling.h"
+#include "render/random_motion.h"
+#include "render/rooms.h"
+#include "render/simple_scenes.h"
 
 namespace ld {
 namespace {
 
-// Streams of one draft: index c of RandomStream(seed, scene, frame, attempt, c).
-constexpr uint32_t kLayoutStream = 0, kPilotStream = 1;
-
-/// White balanced light from candle to overcast sky.
-Vec3 light_colour(RandomStream& random) {
-  constexpr Vec3 kWarm = {1.25F, 0.95F, 0.6F}, kCool = {0.85F, 1.0F, 1.25F};
-  return mix(kWarm, kCool, random.uniform());
+/// Every object from `first` on is a model of its own.
+std::vector<Placed> one_by_one(const Scene& scene, size_t first) {
+  std::vector<Placed> models;
+  for (size_t i = first; i < scene.objects.size(); ++i)
+    models.push_back({i, i + 1, bounds_of(scene.objects[i].mesh.positions), false});
+  return models;
 }
 
-int add_material(Scene& scene, const Material& material) {
-  scene.materials.push_back(material);
-  return static_cast<int>(scene.materials.size()) - 1;
+/// One of the kinds whose names are chosen, each as often as the others.
+template <class Kind>
+const Kind& choose(const std::vector<Kind>& kinds, const std::vector<std::string>& chosen,
+                   RandomStream& random) {
+  std::vector<const Kind*> candidates;
+  for (const Kind& kind : kinds)
+    if (chosen.empty() || std::find(chosen.begin(), chosen.end(), kind.name) != chosen.end())
+      candidates.push_back(&kind);
+  return *candidates.at(random.below(static_cast<uint32_t>(candidates.size())));
 }
 
-void add_room(Scene& scene, Vec3 half, float height, RandomStream& random) {
-  struct Wall {
-    Vec3 corner, edge_u, edge_v;  // facing inwards
-  };
-  const float x = half.x, z = half.z, h = height;
-  const Wall walls[] = {
-      {{-x, 0, -z}, {0, 0, 2 * z}, {2 * x, 0, 0}}, {{-x, h, -z}, {2 * x, 0, 0}, {0, 0, 2 * z}},
-      {{-x, 0, -z}, {2 * x, 0, 0}, {0, h, 0}},     {{x, 0, z}, {-2 * x, 0, 0}, {0, h, 0}},
-      {{-x, 0, z}, {0, 0, -2 * z}, {0, h, 0}},     {{x, 0, -z}, {0, 0, 2 * z}, {0, h, 0}}};
-  // Floor and ceiling have their own finish; the walls share one or differ.
-  const int shared = add_material(scene, random_wall_material(random, 1.5F));
-  const bool all_alike = chance(random, 0.4);
-  for (size_t i = 0; i < 6; ++i) {
-    const bool own = i < 2 || (!all_alike && chance(random, 0.6));
-    const int material = own ? add_material(scene, random_wall_material(random, 1.5F)) : shared;
-    scene.objects.push_back(
-        {make_parallelogram(walls[i].corner, walls[i].edge_u, walls[i].edge_v), material, {}});
+template <class Kind>
+std::vector<std::string> names_of(const std::vector<Kind>& kinds) {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds) names.emplace_back(kind.name);
+  return names;
+}
+
+void check_counts(const std::vector<int64_t>& counts, const std::string& name, const char* key) {
+  if (counts.size() != 2)
+    fail_usage("{}: scenes.{}: expected two numbers, [fewest, most], found {}", name, key, counts.size());
+  if (counts[0] > counts[1])
+    fail_usage("{}: scenes.{}: expected [fewest, most], found [{}, {}]; swap them", name, key, counts[0],
+               counts[1]);
+}
+
+void build_full(SceneBuilder& builder, const SceneConfig& config, bool indoor, int objects) {
+  RandomStream& random = builder.random;
+  if (indoor) {
+    const RoomKind& room = choose(room_kinds(), config.rooms, random);
+    room.build(builder, objects);
+    builder.scene.name = std::string("indoor, ") + room.name;
+  } else {
+    const BackdropKind& backdrop = choose(backdrop_kinds(), config.backdrops, random);
+    backdrop.build(builder);
+    builder.scene.name = std::string("outdoor, ") + backdrop.name;
   }
-}
-
-/// Small lamps under the ceiling or free in the upper half of the room, tilted at will.
-void add_lamps(Scene& scene, Vec3 half, float height, RandomStream& random) {
-  const uint32_t count = 1 + random.below(4);
-  for (uint32_t i = 0; i < count; ++i) {
-    const float width = log_uniform(random, 0.3F, 1.2F), depth = log_uniform(random, 0.3F, 1.2F);
-    const bool hangs = chance(random, 0.6);
-    const Basis tilt = random_rotation(random);
-    // Facing down, cross(u, v) = -y, before it is tilted.
-    Vec3 u = {width, 0, 0}, v = {0, 0, depth};
-    const float x = random.uniform(-1, 1), y = random.uniform(), z = random.uniform(-1, 1);
-    Vec3 centre = {0.8F * x * (half.x - width), height - 0.02F, 0.8F * z * (half.z - depth)};
-    if (!hangs) {
-      const Vec3 down = normalize(Vec3{0, -1, 0} + 0.8F * tilt.z);
-      const Basis around = basis_around(down);
-      u = around.x * width;
-      v = around.y * depth;
-      centre.y = height * (0.55F + 0.35F * y);
-      centre.x *= 0.85F;
-      centre.z *= 0.85F;
-    }
-    if (dot(cross(u, v), {0, -1, 0}) < 0) std::swap(u, v);
-    const float power = random.uniform(0.4F, 1);
-    scene.lights.push_back({centre - 0.5F * (u + v), u, v, light_colour(random) * (power / (width * depth))});
-    if (hangs) continue;
-    // The back of a free lamp is an ordinary surface, lifted off the lamp by a centimetre.
-    const Vec3 behind = normalize(cross(u, v)) * -0.01F;
-    const int housing = add_material(scene, random_wall_material(random, 1));
-    scene.objects.push_back({make_parallelogram(centre - 0.5F * (u + v) + behind, v, u), housing, {}});
-  }
-}
-
-/// Returns the index of the first object that is not part of the room.
-size_t build_indoor(Scene& scene, int objects, RandomStream& random) {
-  const Vec3 half = {random.uniform(2.3F, 4.2F), 0, random.uniform(2.3F, 4.2F)};
-  const float height = random.uniform(2.6F, 4.2F);
-  add_room(scene, half, height, random);
-  add_lamps(scene, half, height, random);
-  Camera& camera = scene.camera;
-  // Along a wall or in a corner, looking across the room.
-  const float angle = random.uniform(0, 2 * kPi);
-  camera.position = {0.86F * half.x * std::cos(angle), height * random.uniform(0.25F, 0.75F),
-                     0.86F * half.z * std::sin(angle)};
-  const float tx = random.uniform(-0.35F, 0.35F), ty = random.uniform(0.15F, 0.45F),
-              tz = random.uniform(-0.35F, 0.35F);
-  camera.axes = look_at(camera.position, {tx * half.x, ty * height, tz * half.z}, {0, 1, 0},
-                        random.uniform(-0.06F, 0.06F));
-  camera.fov = random.uniform(0.75F, 1.2F);
-  Stage stage;
-  stage.low = {-half.x, 0, -half.z};
-  stage.high = {half.x, 0.9F * height, half.z};
-  stage.floor = [](float, float) { return 0.0F; };
-  stage.camera = camera.position;
-  stage.clear = 0.7F;
-  stage.smallest = 0.15F;
-  stage.largest = 0.75F;
-  stage.floating = 0.35;
-  const size_t first_object = scene.objects.size();
-  add_random_objects(scene, stage, objects, random);
-  return first_object;
-}
-
-void add_sky(Scene& scene, RandomStream& random) {
-  Sky sky;
-  sky.falloff = random.uniform(0.35F, 0.8F);
-  const uint32_t weather = random.below(4);
-  const float height = random.uniform(), turn = random.uniform(0, 2 * kPi);
-  const auto towards = [](float elevation, float azimuth) {
-    return Vec3{std::cos(elevation) * std::cos(azimuth), std::sin(elevation),
-                std::cos(elevation) * std::sin(azimuth)};
-  };
-  // A patch that lights a surface facing it with `irradiance`.
-  const auto add_patch = [&](Vec3 direction, float radius, Vec3 irradiance) {
-    const float cos_radius = std::cos(radius);
-    sky.patches.push_back({direction, cos_radius, irradiance / (kPi * (1 - cos_radius * cos_radius))});
-  };
-  switch (weather) {
-    case 0:  // clear day, the sun from sharp to hazy
-      sky.zenith = {0.16F, 0.32F, 0.75F};
-      sky.horizon = {0.65F, 0.8F, 1.0F};
-      add_patch(towards(0.4F + 1.0F * height, turn), log_uniform(random, 0.012F, 0.1F),
-                Vec3{4.2F, 3.8F, 3.2F});
-      break;
-    case 1:  // low sun
-      sky.zenith = {0.12F, 0.2F, 0.45F};
-      sky.horizon = {1.1F, 0.65F, 0.35F};
-      add_patch(towards(0.12F + 0.35F * height, turn), log_uniform(random, 0.02F, 0.08F),
-                Vec3{4.5F, 2.6F, 1.2F});
-      break;
-    case 2:  // overcast (CIE: the zenith three times as bright as the horizon)
-      sky.zenith = {1.5F, 1.55F, 1.65F};
-      sky.horizon = {0.5F, 0.52F, 0.55F};
-      break;
-    default: {  // a dim dome and soft boxes
-      sky.zenith = random_colour(random) * 0.15F;
-      sky.horizon = random_colour(random) * 0.4F;
-      const uint32_t count = 1 + random.below(3);
-      for (uint32_t i = 0; i < count; ++i) {
-        const float elevation = random.uniform(0.35F, 1.3F), azimuth = random.uniform(0, 2 * kPi);
-        const Vec3 tint = light_colour(random);
-        const Vec3 irradiance = tint * random.uniform(0.7F, 2);
-        add_patch(towards(elevation, azimuth), random.uniform(0.1F, 0.3F), irradiance);
-      }
-      break;
-    }
-  }
-  sky.ground = sky.horizon * 0.35F;
-  scene.sky = sky;
-}
-
-/// Returns the index of the first object that is not ground.
-size_t build_outdoor(Scene& scene, int objects, RandomStream& random) {
-  add_sky(scene, random);
-  const bool hilly = chance(random, 0.5);
-  const float amplitude = hilly ? random.uniform(0.2F, 0.9F) : 0.0F, frequency = random.uniform(0.12F, 0.3F);
-  const uint32_t hills = random.bits();
-  const auto floor = [=](float x, float z) {
-    return hilly ? amplitude * fractal_noise(Vec3{x, 0, z} * frequency + grey(0.5F), 4, hills) : 0.0F;
-  };
-  const int ground = add_material(scene, random_wall_material(random, 2));
-  scene.objects.push_back({make_ground(40, hilly ? 100 : 1, amplitude, frequency, hills), ground, {}});
-  // The plain beyond the hills, out to the horizon.
-  Object plain = {make_ground(2000, 1, 0, 1, 0), ground, {}};
-  place(plain.mesh, grey(1), {}, {0, -0.4F * amplitude - 0.05F, 0});
-  scene.objects.push_back(std::move(plain));
-
-  Camera& camera = scene.camera;
-  const float distance = random.uniform(4.5F, 8.5F), angle = random.uniform(0, 2 * kPi);
-  camera.position = {distance * std::cos(angle), 0, distance * std::sin(angle)};
-  camera.position.y = floor(camera.position.x, camera.position.z) + random.uniform(0.7F, 3.5F);
-  const float tx = random.uniform(-1, 1), ty = random.uniform(0.1F, 1), tz = random.uniform(-1, 1);
-  camera.axes = look_at(camera.position, {tx, ty, tz}, {0, 1, 0}, random.uniform(-0.06F, 0.06F));
-  camera.fov = random.uniform(0.55F, 0.95F);
-  Stage stage;
-  const float reach = random.uniform(3, 5.5F);
-  stage.low = {-reach, 0, -reach};
-  stage.high = {reach, 3, reach};
-  stage.floor = floor;
-  stage.camera = camera.position;
-  stage.clear = 1.2F;
-  stage.smallest = 0.25F;
-  stage.largest = 1.2F;
-  stage.floating = 0.2;
-  const size_t first_object = scene.objects.size();
-  add_random_objects(scene, stage, objects, random);
-  return first_object;
-}
-
-/// Depth along the view axis of an object that the camera sees, for the lens to focus on.
-float random_focus(const Scene& scene, size_t first_object, RandomStream& random) {
-  std::vector<float> depths;
-  for (size_t i = first_object; i < scene.objects.size(); ++i) {
-    const Vec3 p = scene.objects[i].mesh.positions[0];
-    if (scene.camera.depth(p) < 0.5F) continue;
-    const Vec2 pixel = scene.camera.project(p);
-    if (pixel.x < 0 || pixel.y < 0 || pixel.x > static_cast<float>(scene.camera.width) ||
-        pixel.y > static_cast<float>(scene.camera.height))
-      continue;
-    depths.push_back(scene.camera.depth(p));
-  }
-  const float fallback = random.uniform(2, 5);
-  return depths.empty() ? fallback : depths[random.below(static_cast<uint32_t>(depths.size()))];
-}
-
-void add_motion(Scene& scene, size_t first_object, RandomStream& random) {
-  scene.camera.shutter = true;
-  for (size_t i = first_object; i < scene.objects.size(); ++i) {
-    Object& object = scene.objects[i];
-    const bool moves = chance(random, 0.45);
-    // So far on the picture, in heights of it; mostly level, as things that stand on a floor move.
-    const float shift = log_uniform(random, 0.01F, 0.12F), turn = random.uniform(0, 2 * kPi);
-    const float rise = chance(random, 0.3) ? random.uniform(-0.8F, 0.8F) : 0.0F;
-    const float depth = scene.camera.depth(object.mesh.positions[0]);
-    if (!moves || depth < 0.5F) continue;
-    const float pixels = shift * static_cast<float>(scene.camera.height);
-    object.motion = normalize(Vec3{std::cos(turn), rise, std::sin(turn)}) *
-                    (pixels * depth / scene.camera.focal_pixels());
-  }
-}
-
-struct Pilot {
-  float median_luminance = 0;
-  bool worth_seeing = false;
-};
-
-/// A coarse look at the picture: 16x16 pixels, four paths each.
-Pilot look(const PreparedScene& scene, uint64_t seed, uint32_t frame, uint32_t attempt) {
-  constexpr int kGrid = 16, kPaths = 4;
-  SampleNumbers numbers(RandomStream(seed, RandomPurpose::scene, frame, attempt, kPilotStream));
-  const Camera& camera = scene.scene().camera;
-  std::vector<float> luminances;
-  int near = 0, escaped = 0, black = 0;
-  for (int j = 0; j < kGrid; ++j)
-    for (int i = 0; i < kGrid; ++i) {
-      float sum = 0;
-      for (int k = 0; k < kPaths; ++k) {
-        const CameraSample where =
-            draw_camera_sample(camera, i * camera.width / kGrid, j * camera.height / kGrid, numbers);
-        Guides guides;
-        sum += luminance(trace_path(scene, camera.ray(where), where.time, numbers, {}, &guides));
-        if (guides.depth < 0.5F) ++near;
-        if (guides.depth >= kEscapedDepth) ++escaped;
-      }
-      if (sum == 0) ++black;
-      luminances.push_back(sum / kPaths);
-    }
-  const auto middle = luminances.begin() + kGrid * kGrid / 2;
-  std::nth_element(luminances.begin(), middle, luminances.end());
-  const int paths = kGrid * kGrid * kPaths;
-  return {*middle, near < paths / 5 && escaped < paths * 3 / 5 && black < kGrid * kGrid / 4 && *middle > 0};
+  const int already = builder.count();
+  add_random_models(builder, indoor ? objects : already + objects, indoor ? 0.2 : 0.15, indoor ? 0.7F : 1.2F);
 }
 
 }  // namespace
 
+std::vector<std::string> SceneConfig::room_names() {
+  return names_of(room_kinds());
+}
+
+std::vector<std::string> SceneConfig::backdrop_names() {
+  return names_of(backdrop_kinds());
+}
+
+void finish_scene_config(SceneConfig& config, const std::string& name, const std::filesystem::path& folder) {
+  check_counts(config.objects, name, "objects");
+  if (!config.outdoor_objects.empty()) check_counts(config.outdoor_objects, name, "outdoor_objects");
+  for (std::string* path : {&config.meshes, &config.textures, &config.probes})
+    if (!path->empty() && std::filesystem::path(*path).is_relative())
+      *path = (folder / *path).lexically_normal().string();
+  const std::string found = shared_assets(config.meshes, config.textures, config.probes)->checksum();
+  if (!config.files.empty() && config.files != found)
+    fail(
+        "{}: scenes.files: expected files with the checksum {}, found {}; restore the folders or leave the "
+        "key out",
+        name, config.files, found.empty() ? "no folders" : found);
+  config.files = found;
+}
+
 Scene random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame, uint32_t attempt, int width,
                    int height) {
-  RandomStream random(seed, RandomPurpose::scene, frame, attempt, kLayoutStream);
-  Scene scene;
+  const RandomStream layout(seed, RandomPurpose::scene, frame, attempt, kLayoutStream);
+  SceneBuilder builder(layout, shared_assets(config.meshes, config.textures, config.probes),
+                       config.own_files);
+  RandomStream& random = builder.random;
+  Scene& scene = builder.scene;
   scene.camera.width = width;
   scene.camera.height = height;
   // Frame by frame the rounded count of rooms grows by the share: any run of frames holds its share of them.
   const bool indoor = std::floor((frame + 1.0) * config.indoor) > std::floor(frame * config.indoor);
-  const auto span = static_cast<uint32_t>(std::max<int64_t>(0, config.objects[1] - config.objects[0]));
-  const int objects = static_cast<int>(config.objects[0]) + static_cast<int>(random.below(span + 1));
+  const std::vector<int64_t>& range =
+      indoor || config.outdoor_objects.empty() ? config.objects : config.outdoor_objects;
+  const auto span = static_cast<uint32_t>(std::max<int64_t>(0, range[1] - range[0]));
+  const int objects = static_cast<int>(range[0]) + static_cast<int>(random.below(span + 1));
   const bool defocus = chance(random, config.defocus), motion_blur = chance(random, config.motion_blur);
-  const size_t first_object =
-      indoor ? build_indoor(scene, objects, random) : build_outdoor(scene, objects, random);
-  scene.camera.focus_distance = random_focus(scene, first_object, random);
+  if (config.variety == "simple") {
+    const size_t first =
+        indoor ? build_simple_room(scene, objects, random) : build_simple_outdoors(scene, objects, random);
+    builder.placed = one_by_one(scene, first);
+    scene.name = indoor ? "indoor" : "outdoor";
+  } else {
+    build_full(builder, config, indoor, objects);
+  }
+  scene.camera.focus_distance = random_focus(scene, builder.placed, random);
   // How far the background blurs, as a share of the picture's height.
   const float blur = log_uniform(random, 0.008F, 0.05F) * static_cast<float>(height);
   if (defocus) scene.camera.lens_radius = blur * scene.camera.focus_distance / scene.camera.focal_pixels();
-  if (motion_blur) add_motion(scene, first_object, random);
-  scene.name = indoor ? "indoor" : "outdoor";
+  if (motion_blur) add_random_motion(scene, builder.placed, config, random);
   if (defocus) scene.name += ", defocus";
   if (motion_blur) scene.name += ", motion blur";
-  return scene;
+  return std::move(scene);
 }
 
 std::unique_ptr<PreparedScene> prepare_random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame,
-                                                    int width, int height) {
-  constexpr uint32_t kAttempts = 16;  // then the last draft has to do
+                                                    int width, int height,
+                                                    std::vector<DraftFault>* rejected) {
+  constexpr uint32_t kAttempts = 24;  // then the last draft has to do
   for (uint32_t attempt = 0;; ++attempt) {
     auto scene = std::make_unique<PreparedScene>(random_scene(config, seed, frame, attempt, width, height));
-    const Pilot pilot = look(*scene, seed, frame, attempt);
-    if (!pilot.worth_seeing && attempt + 1 < kAttempts) continue;
-    RandomStream random(seed, RandomPurpose::scene, frame, attempt, kPilotStream + 1);
-    const float target = log_uniform(random, 0.12F, 0.45F);
-    if (pilot.median_luminance > 0) scene->scale_lights(target / pilot.median_luminance);
+    RandomStream random(seed, RandomPurpose::scene, frame, attempt, kExposureStream);
+    const DraftLook look = look_at_draft(*scene, log_uniform(random, 0.12F, 0.45F), seed, frame, attempt);
+    if (look.fault != DraftFault::none && attempt + 1 < kAttempts) {
+      if (rejected != nullptr) rejected->push_back(look.fault);
+      continue;
+    }
+    scene->scale_lights(look.exposure);
     return scene;
   }
 }

@@ -48,10 +48,7 @@ std::string frame_name(int64_t frame, int64_t instance) {
 
 void finish_recipe(Recipe& recipe, const std::string& name, const std::filesystem::path& folder) {
   check_pair(name, "resolution", recipe.resolution, "width, height");
-  check_pair(name, "scenes.objects", recipe.scenes.objects, "fewest, most");
-  if (recipe.scenes.objects[0] > recipe.scenes.objects[1])
-    fail_usage("{}: scenes.objects: expected [fewest, most], found [{}, {}]; swap them", name,
-               recipe.scenes.objects[0], recipe.scenes.objects[1]);
+  finish_scene_config(recipe.scenes, name, folder);
   if (recipe.frame_count() == 0)
     fail_usage("{}: frames: expected at least one frame in train, validation or test, found none", name);
   constexpr int64_t kMostFrames = 100000000;  // they are counted in 27 bits
