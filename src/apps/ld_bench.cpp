@@ -1,11 +1,13 @@
-// Times operators and networks against their LibTorch compositions: `ld_bench ops`, `ld_bench network`; and
-// says what the networks of training configurations cost: `ld_bench config FILE ...`.
+// Times operators and networks against their LibTorch compositions: `ld_bench ops`, `ld_bench network`; the
+// renderer against Embree: `ld_bench render`; and says what the networks of training configurations cost:
+// `ld_bench config FILE ...`.
 
 #include <filesystem>
 #include <iostream>
 
 #include "apps/app.h"
 #include "benchmark/network_sweeps.h"
+#include "benchmark/render_speed.h"
 #include "benchmark/report.h"
 #include "core/file_io.h"
 #include "core/log.h"
@@ -78,7 +80,7 @@ void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
 }
 
 struct Commands {
-  CLI::App *ops, *network, *config;
+  CLI::App *ops, *network, *render, *config;
 };
 
 Commands declare(CLI::App& app, Options& options) {
@@ -86,9 +88,10 @@ Commands declare(CLI::App& app, Options& options) {
   commands.ops = app.add_subcommand("ops", "each operator, forward and with its backward pass");
   commands.network =
       app.add_subcommand("network", "whole networks; then cost, time by stage and time by number of samples");
+  commands.render = app.add_subcommand("render", "the path tracer against Embree alone on the same rays");
   commands.config = app.add_subcommand("config", "what the networks of training configurations cost");
   commands.config->add_option("files", options.files, "YAML configurations")->required();
-  for (CLI::App* command : {commands.ops, commands.network, commands.config}) {
+  for (CLI::App* command : {commands.ops, commands.network, commands.render, commands.config}) {
     command->fallthrough();  // --json, --threads after the subcommand
     command->add_option("--repeats", options.measure.repeats, "timed runs of each row")
         ->check(CLI::Range(1, 1000))
@@ -111,6 +114,14 @@ Commands declare(CLI::App& app, Options& options) {
   return commands;
 }
 
+nlohmann::ordered_json run_rendering(const Options& options, int threads) {
+  const int size = options.sizes.quick ? 16 : 256;
+  const auto speeds =
+      ld::measure_rendering(size, options.sizes.quick ? 1 : 8, options.measure.repeats, threads);
+  std::cout << ld::markdown(speeds, threads);
+  return ld::to_json(speeds);
+}
+
 nlohmann::ordered_json run_configs(const Options& options) {
   nlohmann::ordered_json json;
   for (const std::string& file : options.files)
@@ -123,7 +134,7 @@ nlohmann::ordered_json run_configs(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  ld::Application app("ld_bench", "Times operators and networks against their LibTorch compositions.");
+  ld::Application app("ld_bench", "Times operators, networks and the renderer against named baselines.");
   const Commands commands = declare(app.options(), options);
 
   return app.run(argc, argv, [&] {
@@ -135,6 +146,8 @@ int main(int argc, char** argv) {
     } else if (commands.network->parsed()) {
       json = run_rows(options, ld::network_rows(options.sizes), "network", app.threads());
       if (options.only.empty()) run_sweeps(options, json);
+    } else if (commands.render->parsed()) {
+      json = run_rendering(options, app.threads());
     } else {
       json = run_configs(options);
     }

@@ -29,7 +29,7 @@ class PreparedScene {
   explicit PreparedScene(Scene scene);
 
   const Scene& scene() const { return scene_; }
-  const RayTracer& tracer() const { return *tracer_; }
+  RayTracer& tracer() { return *tracer_; }
 
   /// The nearest surface, past what its opacity lets through.
   std::optional<Surface> trace(const Ray& ray, float time) const;

@@ -110,6 +110,7 @@ RayTracer::RayTracer(const std::vector<const Object*>& objects) : handles_(std::
 RayTracer::~RayTracer() = default;
 
 bool RayTracer::intersect(const Ray& ray, float time, Hit& hit, float nearest) const {
+  if (log_ != nullptr) log_->push_back({ray, time, nearest, 0, false});
   RTCRayHit query;
   fill(query.ray, ray, time, nearest, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -126,6 +127,7 @@ bool RayTracer::intersect(const Ray& ray, float time, Hit& hit, float nearest) c
 }
 
 bool RayTracer::occluded(const Ray& ray, float time, float distance) const {
+  if (log_ != nullptr) log_->push_back({ray, time, 0, distance, true});
   RTCRay query;
   fill(query, ray, time, 0, distance);
   occluded_one(handles_->scene, &query);

@@ -18,6 +18,13 @@ struct Hit {
   Vec3 normal;         // of the triangle, not normalised, on its counter-clockwise side
 };
 
+/// A question that was put to the tracer, for measuring what it costs by itself.
+struct RecordedRay {
+  Ray ray;
+  float time, nearest, distance;
+  bool occlusion;
+};
+
 /// Acceleration structure over meshes with their motion while the shutter is open. Immutable once
 /// built, so any number of threads may ask it. Throws Error when Embree fails.
 class RayTracer {
@@ -32,9 +39,13 @@ class RayTracer {
   /// Whether anything lies between 0 and `distance` (both ends excluded).
   bool occluded(const Ray& ray, float time, float distance) const;
 
+  /// Notes every question in `log` until called with nullptr; one thread only may ask meanwhile.
+  void record(std::vector<RecordedRay>* log) { log_ = log; }
+
  private:
   struct Handles;
   std::unique_ptr<Handles> handles_;
+  std::vector<RecordedRay>* log_ = nullptr;
 };
 
 }  // namespace ld
