@@ -28,12 +28,17 @@ struct UNetConfig {
   }
 };
 
+/// Instead of a list of features: those that all frames of the training split hold and that vary in it
+/// (dataset/varying_features.h). Only a training finds out which; its resolved configuration and its weights
+/// hold the list.
+inline constexpr const char* kAutoFeatures = "auto";
+
 /// One struct for all networks; keys that a network has no use for are ignored, except where that would
 /// surprise (make_network).
 struct NetworkConfig {
   std::string name = "layer";  // of the registry in network.cpp
-  std::vector<std::string> features = {"radiance",  "normal", "depth", "albedo", "specular",
-                                       "roughness", "motion", "coc",   "lens",   "time"};
+  std::vector<std::string> features = {"radiance", "normal", "depth", "albedo", "specular", "roughness",
+                                       "motion",   "coc",    "lens",  "time"};  // or {kAutoFeatures}
   int64_t layers = 2;
   std::string compositing = "alpha";  // or "weighted" ([MH20] section 3.1)
   int64_t levels = 3;  // resolutions of network "optimized": full, 1/2, 1/4, ... ([MH20] section 6)
@@ -43,10 +48,12 @@ struct NetworkConfig {
   std::vector<int64_t> kernel_generator = {128, 128};  // hidden layers; the output is kernel_size squared
   UNetConfig unet;
 
+  bool auto_features() const { return features == std::vector<std::string>{kAutoFeatures}; }
+
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("name", name);
-    v.field("features", features);
+    v.field_or_word("features", features, kAutoFeatures);
     v.field("layers", layers, Range{1, 8});
     v.field("compositing", compositing, {"alpha", "weighted"});
     v.field("levels", levels, Range{1, 16});

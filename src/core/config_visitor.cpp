@@ -145,6 +145,23 @@ void ConfigReader::field(const std::string& key, std::vector<std::string>& value
                                     });
 }
 
+void ConfigReader::field_or_word(const std::string& key, std::vector<std::string>& value,
+                                 const std::string& word) {
+  const ConfigNode* node = node_.find(key);
+  if (node == nullptr || node->kind != ConfigNode::Kind::scalar) {
+    field(key, value);
+    return;
+  }
+  take(key);
+  if (node->text != word) wrong(*node, path_ + key, fmt::format("a list of texts or '{}'", word));
+  value = {word};
+}
+
+const std::vector<ConfigNode>& ConfigReader::maps_of(const ConfigNode& node, const std::string& key) const {
+  if (node.kind != ConfigNode::Kind::list) wrong(node, path_ + key, "a list of maps");
+  return node.items;
+}
+
 void ConfigReader::finish() const {
   for (const auto& [key, node] : node_.entries) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
@@ -189,6 +206,14 @@ void ConfigWriter::field(const std::string& key, std::vector<std::string>& value
   std::vector<std::string> texts;
   for (const std::string& text : value) texts.push_back(yaml_text(text));
   line(key, fmt::format("[{}]", fmt::join(texts, ", ")));
+}
+
+void ConfigWriter::field_or_word(const std::string& key, std::vector<std::string>& value,
+                                 const std::string& word) {
+  if (value == std::vector<std::string>{word})
+    line(key, word);
+  else
+    field(key, value);
 }
 
 }  // namespace ld

@@ -45,6 +45,8 @@ class ConfigReader {
   void field(const std::string& key, std::vector<double>& value, Range range = {});
   void field(const std::string& key, std::vector<std::vector<int64_t>>& value, Range range = {});
   void field(const std::string& key, std::vector<std::string>& value, const Choices& choices = {});
+  /// A list of texts, or `word` alone, which becomes {word}.
+  void field_or_word(const std::string& key, std::vector<std::string>& value, const std::string& word);
 
   template <class Section>
   void section(const std::string& key, Section& value) {
@@ -55,11 +57,25 @@ class ConfigReader {
     }
   }
 
+  /// A list of maps, each a Section.
+  template <class Section>
+  void sections(const std::string& key, std::vector<Section>& values) {
+    const ConfigNode* node = take(key);
+    if (node == nullptr) return;
+    values.clear();
+    for (const ConfigNode& item : maps_of(*node, key)) {
+      ConfigReader reader(item, path_ + key + "[" + std::to_string(values.size()) + "].");
+      values.emplace_back().visit(reader);
+      reader.finish();
+    }
+  }
+
   /// Call after the last field: a key that no field asked for is an error with the nearest known key.
   void finish() const;
 
  private:
   const ConfigNode* take(const std::string& key);
+  const std::vector<ConfigNode>& maps_of(const ConfigNode& node, const std::string& key) const;
 
   const ConfigNode& node_;
   std::string path_;
@@ -78,6 +94,7 @@ class ConfigWriter {
   void field(const std::string& key, std::vector<double>& value, Range range = {});
   void field(const std::string& key, std::vector<std::vector<int64_t>>& value, Range range = {});
   void field(const std::string& key, std::vector<std::string>& value, const Choices& choices = {});
+  void field_or_word(const std::string& key, std::vector<std::string>& value, const std::string& word);
 
   template <class Section>
   void section(const std::string& key, Section& value) {
@@ -85,6 +102,18 @@ class ConfigWriter {
     indent_ += 2;
     value.visit(*this);
     indent_ -= 2;
+  }
+
+  template <class Section>
+  void sections(const std::string& key, std::vector<Section>& values) {
+    line(key, values.empty() ? "[]" : "");
+    for (Section& value : values) {
+      const size_t dash = text_.size() + indent_ + 2;
+      indent_ += 4;
+      value.visit(*this);
+      indent_ -= 4;
+      text_[dash] = '-';
+    }
   }
 
   const std::string& text() const { return text_; }

@@ -1,42 +1,41 @@
-// Crops, flips and quarter turns of frames. Every vector-valued feature (normal, motion vector, lens
-// position) turns with the pixels ([MH20] section 4 augments its training data; the features' frames are in
-// frame/schema.h).
+// Which crop of a frame a training step sees, and how it is flipped, turned and exposed ([MH20] section 4).
 #pragma once
 
-#include <Imath/half.h>
-
 #include <cstdint>
-#include <vector>
 
 #include "core/random.h"
-#include "frame/frame.h"
+#include "dataset/packed_frame.h"
 
 namespace ld {
 
 /// Applied in this order: crop, flip in x (left to right), flip in y (top to bottom), quarter turns
-/// counterclockwise as seen by the viewer.
+/// counterclockwise as seen by the viewer. Every vector-valued feature (normal, motion vector, lens position)
+/// turns with the pixels; the features' frames are in frame/schema.h.
 struct Augmentation {
   int x = 0, y = 0, width = 0, height = 0;  // the crop, pixels; must lie inside the frame
   bool flip_x = false, flip_y = false;
   int quarter_turns = 0;  // 0 to 3
+  float exposure = 1;     // factor on the radiance of samples and reference
+
+  int result_width() const { return quarter_turns % 2 == 0 ? width : height; }
+  int result_height() const { return quarter_turns % 2 == 0 ? height : width; }
+  TileRange tiles() const { return PackedFrame::tiles_of(x, y, width, height); }
 };
 
-/// A frame whose samples are half floats, as they are in the file: what the cache holds.
-struct HalfFrame {
-  int width = 0, height = 0, spp = 0;
-  std::vector<Imath::half> samples;  // [spp, kSampleChannels, height, width]
-  std::vector<uint8_t> valid;        // [spp, height, width]
-  FrameInfo info;
-  size_t bytes() const { return samples.size() * sizeof(Imath::half) + valid.size(); }
+struct AugmentationOptions {
+  int crop = 128;  // side of the square crops, pixels; less where the frame is smaller
+  bool flips = true, rotations = true;
+  int candidates = 1;  // positions drawn; one is taken with a probability in proportion to its difficulty
+  float exposure = 0;  // stops: radiance is multiplied by 2^u, u uniform in [-exposure, exposure]
 };
-HalfFrame to_half(const Frame& frame);
 
-/// Throws Error when the crop does not lie inside.
-Frame augment(const HalfFrame& frame, const Augmentation& augmentation);
-Image augment(const Image& image, const Augmentation& augmentation);
+/// Uniform in flips and turns, and in position where there is one candidate. Candidates that are all of
+/// difficulty 0 are equally likely.
+Augmentation random_augmentation(RandomStream& stream, const PackedFrame& frame,
+                                 const AugmentationOptions& options);
 
-/// A crop of `size` x `size` (less where the frame is smaller), uniform in position, flips and turns.
-Augmentation random_augmentation(RandomStream& stream, int width, int height, int size, bool flips,
-                                 bool rotations);
+/// The mean of the tiles' difficulties (dataset/packed_frame.h), weighted by how much of each the crop
+/// covers.
+double crop_difficulty(const PackedFrame& frame, int x, int y, int width, int height);
 
 }  // namespace ld

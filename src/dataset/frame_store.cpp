@@ -2,51 +2,92 @@
 
 #include <algorithm>
 
+#include "core/checksum.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "frame/frame_file.h"
-#include "frame/frame_pair.h"
 
 namespace ld {
+namespace fs = std::filesystem;
+namespace {
 
-FrameStore::FrameStore(std::filesystem::path folder, const std::string& split,
-                       std::vector<std::string> features, uint64_t budget_bytes)
-    : folder_(std::move(folder)),
-      features_(std::move(features)),
-      budget_bytes_(budget_bytes),
-      frames_(frames_of_split(folder_, split)),
-      memory_(frames_.size()) {
-  for (const ManifestFrame& frame : frames_) {
-    const std::filesystem::path path = frame_path(folder_, frame.name);
-    const FrameHeader header = read_frame_header(path);
-    if (header.spp == 0)
-      fail(
-          "{} holds means only; a sample network needs sample parts s000, s001, ...: render with samples or "
-          "train a "
-          "pixel network",
-          path.string());
-    for (const std::string& feature : features_)
-      if (std::find(header.features.begin(), header.features.end(), feature) == header.features.end())
-        fail(
-            "{} lacks the feature '{}' (channel {}) that network.features names; render it or remove it from "
-            "the "
-            "config",
-            path.string(), feature, find_feature(feature).exr_channels[0]);
-    sizes_.push_back({header.width, header.height});
-  }
+/// Data sets that share a folder do not share their frames' names.
+fs::path cache_folder(const fs::path& data_set, const std::string& folder) {
+  if (folder.empty()) return data_set / ".cache";
+  const std::string name = fs::weakly_canonical(data_set).string();
+  return fs::path(folder) / checksum_text(name.data(), name.size());
 }
 
-std::shared_ptr<const StoredFrame> FrameStore::get(size_t index) {
-  if (memory_[index]) return memory_[index];
-  FramePair pair = read_frame_pair(folder_, frames_[index], features_);
-  warn_about_faults(folder_, frames_[index], pair);
-  auto stored = std::make_shared<StoredFrame>();
-  stored->frame = to_half(pair.frame);
-  stored->reference = std::move(pair.reference);
-  if (used_bytes_ + stored->bytes() <= budget_bytes_) {
-    used_bytes_ += stored->bytes();
-    memory_[index] = stored;
+void check_header(const fs::path& path, const FrameHeader& header, const std::vector<std::string>& features) {
+  if (header.spp == 0)
+    fail(
+        "{} holds means only; a sample network needs sample parts s000, s001, ...: render with samples or "
+        "train a pixel network",
+        path.string());
+  for (const std::string& feature : features)
+    if (std::find(header.features.begin(), header.features.end(), feature) == header.features.end())
+      fail(
+          "{} lacks the feature '{}' (channel {}) that network.features names; render it, remove it from the "
+          "config or say network.features=auto",
+          path.string(), feature, find_feature(feature).exr_channels[0]);
+}
+
+}  // namespace
+
+FrameStore::FrameStore(fs::path data_set, const std::string& split, std::vector<std::string> features,
+                       const CacheOptions& options)
+    : data_set_(std::move(data_set)), features_(std::move(features)), memory_budget_(options.memory) {
+  for (ManifestFrame& frame : frames_of_split(data_set_, split)) {
+    const fs::path path = frame_path(data_set_, frame.name);
+    const FrameHeader header = read_frame_header(path);
+    check_header(path, header, features_);
+    auto entry = std::make_unique<Entry>();
+    entry->frame = std::move(frame);
+    entry->width = header.width;
+    entry->height = header.height;
+    entries_.push_back(std::move(entry));
   }
-  return stored;
+  if (options.folder != "none")
+    cache_ =
+        std::make_unique<FrameCache>(cache_folder(data_set_, options.folder), features_, options.reserve);
+}
+
+std::shared_ptr<const PackedFrame> FrameStore::get(size_t index) {
+  Entry& entry = *entries_[index];
+  const std::lock_guard<std::mutex> lock(entry.mutex);
+  return entry.memory ? entry.memory : read(entry);
+}
+
+std::shared_ptr<const PackedFrame> FrameStore::get_intact(size_t index,
+                                                          const std::shared_ptr<const PackedFrame>& frame,
+                                                          const TileRange& range) {
+  if (!cache_ || frame->intact(range)) return frame;
+  Entry& entry = *entries_[index];
+  const std::lock_guard<std::mutex> lock(entry.mutex);
+  // Another thread may have made it again meanwhile.
+  if (auto again = read(entry); again->intact(range)) return again;
+  const fs::path path = cache_->path(entry.frame.name);
+  spdlog::warn("damaged cache file, made again: {}: samples do not match their checksum", path.string());
+  fs::remove(path);
+  return read(entry);
+}
+
+std::shared_ptr<const PackedFrame> FrameStore::read(Entry& entry) {
+  std::string source;
+  if (cache_) {
+    source = source_state(data_set_, entry.frame);  // before the pixels: a change while they are read counts
+    if (auto cached = cache_->open(entry.frame.name, source))
+      return std::make_shared<const PackedFrame>(std::move(*cached));
+  }
+  const FramePair pair = read_frame_pair(data_set_, entry.frame, features_);
+  warn_about_faults(data_set_, entry.frame, pair);
+  const auto packed = std::make_shared<const PackedFrame>(pack(pair, features_));
+  if (cache_ && cache_->write(entry.frame.name, source, *packed)) return packed;
+  if (memory_used_ + packed->bytes() <= memory_budget_) {
+    memory_used_ += packed->bytes();
+    entry.memory = packed;
+  }
+  return packed;
 }
 
 }  // namespace ld

@@ -58,6 +58,42 @@ NetworkInput make_network_input(const std::vector<Frame>& frames, const std::vec
   return input;
 }
 
+Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::string>& features) {
+  if (crops.empty()) fail("a batch needs at least one crop, found none");
+  const int width = crops[0].augmentation.result_width(), height = crops[0].augmentation.result_height();
+  int spp = 0;
+  for (const auto& [frame, augmentation] : crops) {
+    if (augmentation.result_width() != width || augmentation.result_height() != height)
+      fail("crops of one batch must have one size, found {}x{} and {}x{}", width, height,
+           augmentation.result_width(), augmentation.result_height());
+    spp = std::max(spp, frame->spp);
+  }
+  const auto count = static_cast<int64_t>(crops.size());
+  const int channels = channel_count(features);
+  // Filled by hand: LibTorch would start threads of its own for this thread.
+  Batch batch;
+  batch.input.features = torch::empty({count, spp, channels, height, width});
+  batch.input.radiance = torch::empty({count, spp, 3, height, width});
+  batch.input.valid = torch::empty({count, spp, 1, height, width});
+  batch.reference = torch::empty({count, 3, height, width});
+  const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  for (size_t b = 0; b < crops.size(); ++b) {
+    const auto planes_of = [&](torch::Tensor& tensor, int planes) {
+      return tensor.data_ptr<float>() + b * static_cast<size_t>(spp * planes) * pixels;
+    };
+    const CropPlanes planes = {planes_of(batch.input.features, channels), planes_of(batch.input.radiance, 3),
+                               planes_of(batch.input.valid, 1),
+                               batch.reference.data_ptr<float>() + b * 3 * pixels};
+    read_crop(*crops[b].frame, crops[b].augmentation, features, planes);
+    const auto drawn = static_cast<size_t>(crops[b].frame->spp), missing = static_cast<size_t>(spp) - drawn;
+    for (const auto& [plane, count_of_planes] :
+         {std::pair(planes.features, channels), std::pair(planes.radiance, 3), std::pair(planes.valid, 1)})
+      std::fill_n(plane + drawn * static_cast<size_t>(count_of_planes) * pixels,
+                  missing * static_cast<size_t>(count_of_planes) * pixels, 0.0F);
+  }
+  return batch;
+}
+
 torch::Tensor to_tensor(const Image& image) {
   torch::Tensor tensor = torch::empty({image.channels, image.height, image.width});
   std::memcpy(tensor.data_ptr<float>(), image.pixels.data(), image.pixels.size() * sizeof(float));

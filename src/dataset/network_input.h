@@ -1,11 +1,14 @@
-// Frames to tensors and back: the one way into a network, for training, validation and inference.
+// Frames to tensors and back: frames as files hold them for inference, crops of packed ones for training and
+// validation.
 #pragma once
 
 #include <torch/torch.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "dataset/crop.h"
 #include "frame/frame.h"
 #include "models/network.h"
 
@@ -15,6 +18,21 @@ namespace ld {
 /// than the largest are filled with samples that are not valid. Throws Error when the sizes differ or there
 /// is no sample.
 NetworkInput make_network_input(const std::vector<Frame>& frames, const std::vector<std::string>& features);
+
+struct Batch {
+  NetworkInput input;
+  torch::Tensor reference;  // [B, 3, H, W] linear
+};
+
+/// A crop and the frame that it is of.
+struct FrameCrop {
+  std::shared_ptr<const PackedFrame> frame;
+  Augmentation augmentation;
+};
+
+/// Reads the crops (dataset/crop.h), filled up with samples that are not valid as above. Runs on the calling
+/// thread alone. Throws Error when their sizes differ or there is none.
+Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::string>& features);
 
 /// [3, H, W] to and from a tensor.
 torch::Tensor to_tensor(const Image& image);

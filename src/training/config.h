@@ -4,28 +4,51 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/config_visitor.h"
 #include "models/network_config.h"
 
 namespace ld {
 
-struct DataConfig {
-  std::string path;                // folder with manifest.json
-  int64_t crop = 128;              // side of the square crops, pixels
-  int64_t batch = 4;               // crops a step
-  bool flips = true;               // mirror in x and in y, each half of the time
-  bool rotations = true;           // 0, 90, 180 or 270 degrees
-  int64_t cache_megabytes = 4096;  // frames beyond it are read again from disk
+/// One of several data sets.
+struct DataSetConfig {
+  std::string path;   // folder with manifest.json
+  double weight = 1;  // crops come from each set in proportion, however many frames it has
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("path", path);
+    v.field("weight", weight, Range{1e-6, 1e6});
+  }
+};
+
+struct DataConfig {
+  std::string path;                  // folder with manifest.json
+  std::vector<DataSetConfig> paths;  // several of them, in place of `path`
+  int64_t crop = 128;                // side of the square crops, pixels
+  int64_t batch = 4;                 // crops a step
+  bool flips = true;                 // mirror in x and in y, each half of the time
+  bool rotations = true;             // 0, 90, 180 or 270 degrees
+  int64_t difficulty = 1;  // of so many crops of a frame, one is taken in proportion to how noisy it is
+  double exposure = 0;     // stops: radiance times 2^u, u uniform in [-exposure, exposure]
+  std::string cache;       // folder of cache files; "": .cache in each data set; none: no files
+  int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
+  int64_t workers = 2;             // threads that prepare batches; 0: each when it is needed
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("path", path);
+    v.sections("paths", paths);
     v.field("crop", crop, Range{1, 16384});
     v.field("batch", batch, Range{1, 4096});
     v.field("flips", flips);
     v.field("rotations", rotations);
+    v.field("difficulty", difficulty, Range{1, 1024});
+    v.field("exposure", exposure, Range{0, 10});
+    v.field("cache", cache);
     v.field("cache_megabytes", cache_megabytes, at_least(0));
+    v.field("workers", workers, Range{0, 64});
   }
 };
 
@@ -73,7 +96,7 @@ struct RunConfig {
 struct TrainConfig {
   uint64_t seed = 1;
   std::string loss = "smape";
-  int64_t epochs = 1000;  // one crop of each frame an epoch
+  int64_t epochs = 1000;  // an epoch has as many crops as the training splits have frames
   NetworkConfig network;
   DataConfig data;
   OptimizerConfig optimizer;

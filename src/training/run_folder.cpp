@@ -8,10 +8,12 @@
 namespace ld {
 namespace {
 
-/// What may not change, as text: everything but the pauses and what only costs memory.
+/// What may not change, as text: everything but the pauses and what only costs time, memory or disk.
 std::string fixed_part(TrainConfig config) {
   config.run = RunConfig{};
+  config.data.cache = DataConfig{}.cache;
   config.data.cache_megabytes = DataConfig{}.cache_megabytes;
+  config.data.workers = DataConfig{}.workers;
   return config_to_yaml(config);
 }
 

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/checksum.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
@@ -11,28 +10,13 @@
 #include "metrics/metric.h"
 #include "training/run_folder.h"
 #include "training/schedule.h"
+#include "training/training_data.h"
 
 namespace ld {
 namespace {
 
 /// A run with more such steps in a row has diverged.
 constexpr int64_t kMostSkippedInARow = 100;
-
-TrainingSet make_training_set(const TrainConfig& config) {
-  FrameStore store(config.data.path, "train", config.network.features,
-                   static_cast<uint64_t>(config.data.cache_megabytes) << 20);
-  return TrainingSet(
-      std::move(store), config.network.features,
-      {config.data.crop, config.data.batch, config.data.flips, config.data.rotations, config.seed});
-}
-
-std::unique_ptr<FrameStore> make_validation_store(const TrainConfig& config) {
-  for (const ManifestFrame& frame : read_manifest(config.data.path).frames)
-    if (frame.split == "validation")
-      return std::make_unique<FrameStore>(config.data.path, "validation", config.network.features,
-                                          uint64_t{256} << 20);
-  return nullptr;
-}
 
 std::shared_ptr<Network> make_initial_network(const TrainConfig& config) {
   std::shared_ptr<Network> network = make_network(config.network);
@@ -56,10 +40,10 @@ std::vector<std::string> log_columns() {
 }  // namespace
 
 Trainer::Trainer(TrainConfig config, std::filesystem::path run)
-    : config_(std::move(config)),
+    : config_(resolve_features(std::move(config), run)),
       run_(std::move(run)),
       training_set_(make_training_set(config_)),
-      validation_(make_validation_store(config_)),
+      validation_(make_validation_stores(config_)),
       network_(make_initial_network(config_)),
       loss_(make_loss(config_.loss)),
       optimizer_(network_->parameters(), adam_options(config_.optimizer)),
@@ -67,13 +51,14 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run)
       total_steps_(config_.epochs * training_set_.steps_per_epoch()) {
   claim_run_folder(run_, config_);
   add_log_file(run_ / "train.log");
-  state_.dataset = file_checksum(std::filesystem::path(config_.data.path) / "manifest.json");
+  state_.dataset = manifests_checksum(config_.data);
   int64_t parameters = 0;
   for (const torch::Tensor& parameter : network_->parameters()) parameters += parameter.numel();
   spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} threads",
                config_.network.name, parameters, total_steps_, config_.data.batch, config_.data.crop,
                config_.data.crop, config_.loss, torch::get_num_threads());
-  if (!validation_) spdlog::warn("the data set has no validation split: `best` will be the last checkpoint");
+  if (validation_.empty())
+    spdlog::warn("the data has no validation split: `best` will be the last checkpoint");
   resume();
 }
 
@@ -111,7 +96,7 @@ void Trainer::train() {
     const bool last = state_.step == last_step;
     std::map<std::string, double> row;
     bool best = false;
-    if (validation_ && (state_.step % config_.run.validate_every == 0 || last)) {
+    if (!validation_.empty() && (state_.step % config_.run.validate_every == 0 || last)) {
       row = validate();
       best = note_score(row);
     }
@@ -128,12 +113,12 @@ void Trainer::train() {
       measured_since = now;
     }
     if (best || last || state_.step % config_.run.checkpoint_every == 0) {
-      checkpoints_.write(state_, *network_, optimizer_, best || !validation_);
+      checkpoints_.write(state_, *network_, optimizer_, best || validation_.empty());
       written_step = state_.step;
     }
   }
   // Stopped by a signal between two checkpoints.
-  if (written_step != state_.step) checkpoints_.write(state_, *network_, optimizer_, !validation_);
+  if (written_step != state_.step) checkpoints_.write(state_, *network_, optimizer_, validation_.empty());
 }
 
 double Trainer::take_step() {
@@ -174,23 +159,25 @@ bool Trainer::limit_gradients() {
   return true;
 }
 
-/// Loss and metrics on the whole frames of the validation split, means over the frames.
+/// Loss and metrics on the whole frames of the validation splits, means over the frames.
 std::map<std::string, double> Trainer::validate() {
-  std::map<std::string, double> means;
+  std::map<std::string, double> sums;
   const torch::NoGradGuard no_graph;
-  const auto count = static_cast<double>(validation_->size());
-  for (size_t i = 0; i < validation_->size(); ++i) {
-    const std::shared_ptr<const StoredFrame> stored = validation_->get(i);
-    const Augmentation whole{0, 0, stored->frame.width, stored->frame.height, false, false, 0};
-    const torch::Tensor denoised =
-        network_->forward(make_network_input({augment(stored->frame, whole)}, config_.network.features));
-    means["validation_loss"] +=
-        loss_(denoised, to_tensor(stored->reference).unsqueeze(0)).item<double>() / count;
-    const Image image = to_image(denoised.squeeze(0));
-    for (const Metric& metric : metrics())
-      means[metric.name] += metric.compute(image, stored->reference) / count;
-  }
-  return means;
+  double count = 0;
+  for (const std::unique_ptr<FrameStore>& store : validation_)
+    for (size_t i = 0; i < store->size(); ++i, ++count) {
+      Augmentation whole;
+      whole.width = store->width(i);
+      whole.height = store->height(i);
+      Batch batch =
+          make_batch({{store->get_intact(i, store->get(i), whole.tiles()), whole}}, config_.network.features);
+      const torch::Tensor denoised = network_->forward(std::move(batch.input));
+      sums["validation_loss"] += loss_(denoised, batch.reference).item<double>();
+      const Image image = to_image(denoised.squeeze(0)), reference = to_image(batch.reference.squeeze(0));
+      for (const Metric& metric : metrics()) sums[metric.name] += metric.compute(image, reference);
+    }
+  for (auto& [name, sum] : sums) sum /= count;
+  return sums;
 }
 
 /// Remembers the lowest validation loss; true when this is it.

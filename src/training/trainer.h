@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "dataset/training_set.h"
 #include "losses/loss.h"
@@ -41,7 +42,7 @@ class Trainer {
   TrainConfig config_;
   std::filesystem::path run_;
   TrainingSet training_set_;
-  std::unique_ptr<FrameStore> validation_;  // none when the data set has no validation split
+  std::vector<std::unique_ptr<FrameStore>> validation_;  // empty when no data set has a validation split
   std::shared_ptr<Network> network_;
   Loss loss_;
   torch::optim::Adam optimizer_;

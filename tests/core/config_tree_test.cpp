@@ -4,6 +4,7 @@
 
 #include "core/config_visitor.h"
 #include "core/error.h"
+#include "tests/support/expect_error.h"
 
 namespace ld {
 namespace {
@@ -112,6 +113,59 @@ TEST(Config, ComplaintsNameLineKeyAndCure) {
   EXPECT_EQ(complaint("", {"steps"}), "command line: expected key.sub=value, found 'steps'");
   EXPECT_EQ(complaint("inner:\n  blocks: [[0]]\n"),
             "test.yaml:2: inner.blocks[0][0]: expected a whole number of at least 1, found '0'");
+}
+
+struct Place {
+  std::string path;
+  double weight = 1;
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("path", path);
+    v.field("weight", weight, at_least(0));
+  }
+};
+
+struct Places {
+  std::vector<Place> list = {{"home", 1}};
+  std::vector<std::string> names = {"a"};
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.sections("list", list);
+    v.field_or_word("names", names, "auto");
+  }
+};
+
+Places places(const std::string& text) {
+  return config_from_tree<Places>(parse_config(text, "test.yaml"));
+}
+
+TEST(Config, ListsOfSections) {
+  EXPECT_EQ(places("").list.size(), 1u);
+  EXPECT_EQ(places("list: []\n").list.size(), 0u);
+  const Places two = places("list:\n  - path: x\n    weight: 2.5\n  - {path: y/z}\n");
+  ASSERT_EQ(two.list.size(), 2u);
+  EXPECT_EQ(two.list[0].path, "x");
+  EXPECT_EQ(two.list[0].weight, 2.5);
+  EXPECT_EQ(two.list[1].path, "y/z");
+  EXPECT_EQ(two.list[1].weight, 1);
+  const std::string written = config_to_yaml(two);
+  EXPECT_EQ(written, "list:\n  - path: x\n    weight: 2.5\n  - path: y/z\n    weight: 1\nnames: [a]\n");
+  EXPECT_EQ(config_to_yaml(places(written)), written);
+  EXPECT_EQ(config_to_yaml(places("list: []\n")), "list: []\nnames: [a]\n");
+  EXPECT_EQ(error_text([] { places("list: 3\n"); }), "test.yaml:1: list: expected a list of maps, found '3'");
+  EXPECT_EQ(
+      error_text([] { places("list:\n  - path: x\n  - wheight: 1\n"); }),
+      "test.yaml:3: unknown key 'list[1].wheight'; did you mean 'list[1].weight'? known here: path, weight");
+  EXPECT_EQ(error_text([] { places("list: [x]\n"); }),
+            "test.yaml:1: list[0]: expected a map of 'key: value' lines, found 'x'");
+}
+
+TEST(Config, AListOrAWord) {
+  EXPECT_EQ(places("names: auto\n").names, std::vector<std::string>{"auto"});
+  EXPECT_EQ(places("names: [x, y]\n").names, (std::vector<std::string>{"x", "y"}));
+  EXPECT_EQ(config_to_yaml(places("{list: [], names: auto}\n")), "list: []\nnames: auto\n");
+  EXPECT_EQ(error_text([] { places("names: all\n"); }),
+            "test.yaml:1: names: expected a list of texts or 'auto', found 'all'");
 }
 
 TEST(Config, WhatYamlAllowsAndWeDoNot) {

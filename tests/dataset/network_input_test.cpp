@@ -7,10 +7,9 @@
 
 #include "core/error.h"
 #include "core/tone_map.h"
-#include "dataset/training_set.h"
 #include "frame/encoding.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/support/tiny_dataset.h"
+#include "tests/support/packed_crop.h"
+#include "tests/support/random_frame.h"
 
 namespace ld {
 namespace {
@@ -79,35 +78,28 @@ TEST(ToneMap, IsAccurateInTheDarkAndFiniteEverywhere) {
     EXPECT_TRUE(std::isfinite(tone_map_slope(x))) << x;
 }
 
-TEST(TrainingSet, BatchesDependOnSeedAndStepAlone) {
-  const TemporaryFolder folder;
-  write_tiny_dataset(folder.path(), 5);
-  const std::vector<std::string> features = {"radiance", "normal"};
-  const auto make = [&](uint64_t seed, uint64_t budget) {
-    return TrainingSet(FrameStore(folder.path(), "train", features, budget), features,
-                       {8, 2, true, true, seed});
-  };
-  TrainingSet cached = make(1, uint64_t{1} << 30), uncached = make(1, 0), other = make(2, 0);
-  EXPECT_EQ(cached.steps_per_epoch(), 2);
-  for (const int64_t step : {0, 1, 2, 7, 3}) {
-    const Batch batch = cached.batch(step);
-    EXPECT_TRUE(batch.input.features.equal(uncached.batch(step).input.features));
-    EXPECT_FALSE(batch.input.features.equal(other.batch(step).input.features));
-    // The tiny data set's reference is the mean of the samples: pixels and reference were cut alike.
-    EXPECT_TRUE(torch::allclose(batch.input.radiance.mean(1), batch.reference, 1e-2, 1e-3));
-  }
+TEST(NetworkInput, ACropOfThePackedFrameIsTheSameAsTheFrame) {
+  Frame frame = random_frame(19, 23, 2, 1), fewer = random_frame(19, 23, 1, 2);
+  frame.valid_plane(1)[5] = 0;
+  for (int c = 0; c < kSampleChannels; ++c) frame.plane(1, c)[5] = 0;
+  const std::vector<std::string> features = {"depth", "motion", "radiance", "coc", "time"};
+  std::vector<FrameCrop> crops;
+  for (const Frame& one : {frame, fewer})
+    crops.push_back({std::make_shared<const PackedFrame>(pack(one)), whole_frame(19, 23)});
+  const Batch batch = make_batch(crops, features);
+  const NetworkInput expected = make_network_input({frame, fewer}, features);
+  EXPECT_TRUE(batch.input.features.equal(expected.features));
+  EXPECT_TRUE(batch.input.radiance.equal(expected.radiance));
+  EXPECT_TRUE(batch.input.valid.equal(expected.valid));
+  EXPECT_TRUE(batch.reference[0].equal(to_tensor(mean_radiance(frame))));
 }
 
-TEST(TrainingSet, TooFewFramesAndTooLargeCropsAreErrors) {
-  const TemporaryFolder folder;
-  write_tiny_dataset(folder.path(), 3);
-  const auto make = [&](int64_t crop, int64_t batch) {
-    return TrainingSet(FrameStore(folder.path(), "train", {"radiance"}, 0), {"radiance"},
-                       {crop, batch, true, true, 1});
-  };
-  EXPECT_THROW(make(8, 4), UsageError);
-  EXPECT_THROW(make(17, 1), UsageError);
-  EXPECT_THROW(FrameStore(folder.path(), "holdout", {"radiance"}, 0), Error);
+TEST(NetworkInput, CropsOfSeveralSizesAndEmptyBatchesAreErrors) {
+  const auto frame = std::make_shared<const PackedFrame>(pack(random_frame(9, 7, 1)));
+  EXPECT_THROW(
+      make_batch({{frame, whole_frame(9, 7)}, {frame, whole_frame(9, 7, false, false, 1)}}, {"radiance"}),
+      Error);
+  EXPECT_THROW(make_batch({}, {"radiance"}), Error);
 }
 
 }  // namespace

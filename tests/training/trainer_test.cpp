@@ -54,6 +54,22 @@ TEST_F(TrainerTest, StoppingAndContinuingChangesNoBit) {
   EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "halves"));
 }
 
+TEST_F(TrainerTest, WorkersAndTheCacheChangeNoBitAndMayChangeMeanwhile) {
+  train("straight", 20);
+  const auto train_with = [&](int64_t workers, const std::string& cache, int64_t steps) {
+    TrainConfig config = tiny_config(folder_ / "data", steps);
+    config.data.workers = workers;
+    config.data.cache = cache;
+    Trainer trainer(config, folder_ / "other");
+    trainer.train();
+  };
+  train_with(0, "none", 7);
+  train_with(5, (folder_ / "cache").string(), 20);
+  EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "other"));
+  EXPECT_TRUE(fs::exists(folder_ / "data/.cache"));
+  EXPECT_TRUE(fs::exists(folder_ / "cache"));
+}
+
 TEST_F(TrainerTest, TheSeedDecides) {
   train("a", 10);
   train("b", 10);

@@ -1,0 +1,203 @@
+#include "dataset/crop.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/error.h"
+#include "core/tone_map.h"
+#include "dataset/half_rows.h"
+#include "frame/encoding.h"
+
+namespace ld {
+namespace {
+
+/// Where each pixel of a frame goes in the planes of the result: an affine map.
+class PixelMap {
+ public:
+  PixelMap(const Augmentation& a, const PackedFrame& frame) : x0_(a.x), y0_(a.y) {
+    if (a.width < 1 || a.height < 1 || a.x < 0 || a.y < 0 || a.x + a.width > frame.width ||
+        a.y + a.height > frame.height)
+      fail("a crop of {}x{} at ({}, {}) does not lie inside a frame of {}x{}", a.width, a.height, a.x, a.y,
+           frame.width, frame.height);
+    origin_ = place(a, 0, 0);
+    step_x_ = place(a, 1, 0) - origin_;
+    step_y_ = place(a, 0, 1) - origin_;
+  }
+
+  /// Writes `count` pixels that follow (x, y) to the right.
+  void put(const float* row, int count, int x, int y, float* plane) const {
+    float* out = plane + origin_ + (x - x0_) * step_x_ + (y - y0_) * step_y_;
+    if (step_x_ == 1) {
+      std::copy_n(row, count, out);
+    } else {
+      for (int i = 0; i < count; ++i, out += step_x_) *out = row[i];
+    }
+  }
+
+ private:
+  static std::ptrdiff_t place(const Augmentation& a, int x, int y) {
+    int width = a.width, height = a.height;
+    if (a.flip_x) x = width - 1 - x;
+    if (a.flip_y) y = height - 1 - y;
+    for (int turn = 0; turn < a.quarter_turns; ++turn) {
+      // A counterclockwise turn: the right column becomes the top row.
+      y = std::exchange(x, y);
+      y = width - 1 - y;
+      std::swap(width, height);
+    }
+    return std::ptrdiff_t{y} * width + x;
+  }
+
+  int x0_, y0_;
+  std::ptrdiff_t origin_, step_x_, step_y_;
+};
+
+/// Turns the vectors of one feature, given as their x and y.
+void turn_vectors(Vector kind, const Augmentation& a, float* vx, float* vy, int count) {
+  // Work with +y up; a counterclockwise turn takes (x, y) to (-y, x).
+  const float up = kind == Vector::y_down ? -1.0F : 1.0F;
+  const float sign_x = a.flip_x ? -1.0F : 1.0F, sign_y = a.flip_y ? -up : up;
+  for (int i = 0; i < count; ++i) {
+    float x = sign_x * vx[i], y = sign_y * vy[i];
+    for (int turn = 0; turn < a.quarter_turns; ++turn) x = -std::exchange(y, x);
+    // Adding 0 turns -0 into 0, so that four turns give back the same bits.
+    vx[i] = x + 0.0F;
+    vy[i] = up * y + 0.0F;
+  }
+}
+
+/// tone_map() of every half float that is not negative: a crop of 128x128 at 8 spp has twelve times as many
+/// values as the table.
+class ToneMapTable {
+ public:
+  explicit ToneMapTable(float exposure) : values_(1 << 15) {
+    std::vector<uint16_t> bits(values_.size());
+    for (size_t i = 0; i < bits.size(); ++i) bits[i] = static_cast<uint16_t>(i);
+    half_to_float(bits.data(), values_.data(), bits.size());
+    for (float& value : values_) value = tone_map(exposure * value);
+  }
+  void look_up(const uint16_t* half_bits, float* out, int count) const {
+    for (int i = 0; i < count; ++i) out[i] = half_bits[i] < values_.size() ? values_[half_bits[i]] : 0.0F;
+  }
+
+  static const ToneMapTable& unexposed() {
+    static const ToneMapTable table(1);
+    return table;
+  }
+
+ private:
+  std::vector<float> values_;
+};
+
+/// A feature in the network's order, and its first channel in the packed frame.
+struct Source {
+  const Feature* feature;
+  int channel;
+};
+
+std::vector<Source> sources_of(const PackedFrame& frame, const std::vector<std::string>& features) {
+  std::vector<Source> sources;
+  for (const std::string& name : features) {
+    int channel = 0;
+    auto held = frame.features.begin();
+    for (; held != frame.features.end() && *held != name; ++held) channel += find_feature(*held).channels;
+    if (held == frame.features.end()) fail("the packed frame does not hold the feature '{}'", name);
+    sources.push_back({&find_feature(name), channel});
+  }
+  return sources;
+}
+
+/// Reads one crop; holds what is the same for all tiles.
+class CropReader {
+ public:
+  CropReader(const PackedFrame& frame, const Augmentation& a, const std::vector<std::string>& features,
+             const CropPlanes& planes)
+      : frame_(frame),
+        a_(a),
+        map_(a, frame),
+        planes_(planes),
+        sources_(sources_of(frame, features)),
+        own_table_(a.exposure == 1 ? nullptr : std::make_unique<ToneMapTable>(a.exposure)),
+        table_(own_table_ ? *own_table_ : ToneMapTable::unexposed()),
+        plane_(static_cast<size_t>(a.width) * static_cast<size_t>(a.height)),
+        values_(static_cast<size_t>(frame.channels()) * kTilePixels) {}
+
+  void read(int tile_x, int tile_y) {
+    x0_ = std::max(tile_x * kTileSide, a_.x);
+    y0_ = std::max(tile_y * kTileSide, a_.y);
+    x1_ = std::min((tile_x + 1) * kTileSide, a_.x + a_.width);
+    y1_ = std::min((tile_y + 1) * kTileSide, a_.y + a_.height);
+    first_ = (y0_ - tile_y * kTileSide) * kTileSide + x0_ - tile_x * kTileSide;
+    const auto tile = static_cast<size_t>(tile_y * frame_.tiles_x() + tile_x);
+    const uint16_t* samples = frame_.samples + tile * frame_.tile_samples();
+    const uint8_t* valid = frame_.valid + tile * frame_.tile_valid();
+    features_out_ = planes_.features;
+    radiance_out_ = planes_.radiance;
+    for (int s = 0; s < frame_.spp; ++s) {
+      read_sample(samples + static_cast<size_t>(s) * values_.size());
+      std::copy_n(valid + s * kTilePixels, kTilePixels, encoded_.begin());
+      put(encoded_.data(), planes_.valid + static_cast<size_t>(s) * plane_);
+    }
+    for (int c = 0; c < 3; ++c)
+      put_exposed(frame_.reference + tile * PackedFrame::kTileReference + c * kTilePixels,
+                  planes_.reference + static_cast<size_t>(c) * plane_);
+  }
+
+ private:
+  void read_sample(const uint16_t* half_bits) {
+    half_to_float(half_bits, values_.data(), values_.size());
+    for (int c = 0; c < 3; ++c, radiance_out_ += plane_)
+      put_exposed(values_.data() + c * kTilePixels, radiance_out_);
+    for (const Source& source : sources_) {
+      float* values = values_.data() + source.channel * kTilePixels;
+      if (source.feature->vector != Vector::none)
+        turn_vectors(source.feature->vector, a_, values, values + kTilePixels, kTilePixels);
+      for (int c = 0; c < source.feature->channels; ++c, features_out_ += plane_) {
+        if (source.feature->encoding == Encoding::tone_map)
+          table_.look_up(half_bits + (source.channel + c) * kTilePixels, encoded_.data(), kTilePixels);
+        else
+          encode(*source.feature, frame_.depth_scale, values + c * kTilePixels, encoded_.data(), kTilePixels);
+        put(encoded_.data(), features_out_);
+      }
+    }
+  }
+
+  void put(const float* tile, float* plane) const {
+    for (int y = y0_; y < y1_; ++y) map_.put(tile + first_ + (y - y0_) * kTileSide, x1_ - x0_, x0_, y, plane);
+  }
+
+  void put_exposed(const float* tile, float* plane) {
+    if (a_.exposure == 1) {
+      put(tile, plane);
+      return;
+    }
+    for (size_t p = 0; p < kTilePixels; ++p) encoded_[p] = a_.exposure * tile[p];
+    put(encoded_.data(), plane);
+  }
+
+  const PackedFrame& frame_;
+  const Augmentation a_;
+  const PixelMap map_;
+  const CropPlanes planes_;
+  const std::vector<Source> sources_;
+  const std::unique_ptr<ToneMapTable> own_table_;
+  const ToneMapTable& table_;
+  const size_t plane_;         // floats of a plane of the result
+  std::vector<float> values_;  // of all channels of one sample of the tile, in the units of the files
+  std::array<float, kTilePixels> encoded_{};
+  int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0, first_ = 0;  // the tile's part of the crop, where it begins
+  float *features_out_ = nullptr, *radiance_out_ = nullptr;
+};
+
+}  // namespace
+
+void read_crop(const PackedFrame& frame, const Augmentation& augmentation,
+               const std::vector<std::string>& features, const CropPlanes& planes) {
+  CropReader reader(frame, augmentation, features, planes);
+  const TileRange range = augmentation.tiles();
+  for (int y = range.y0; y < range.y1; ++y)
+    for (int x = range.x0; x < range.x1; ++x) reader.read(x, y);
+}
+
+}  // namespace ld

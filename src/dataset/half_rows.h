@@ -1,0 +1,15 @@
+// Rows of half floats to and from floats, with the processor's own conversions (Highway, chosen at run time).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ld {
+
+/// The bits of IEEE half floats to floats; exact.
+void half_to_float(const uint16_t* half_bits, float* values, size_t count);
+
+/// To the nearest half float, ties to even; beyond half's range to +-65504. No NaN.
+void float_to_half(const float* values, uint16_t* half_bits, size_t count);
+
+}  // namespace ld

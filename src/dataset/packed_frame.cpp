@@ -1,0 +1,143 @@
+#include "dataset/packed_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/checksum.h"
+#include "core/error.h"
+#include "dataset/half_rows.h"
+
+namespace ld {
+namespace {
+
+struct Buffers {
+  std::vector<uint16_t> samples;
+  std::vector<uint8_t> valid;
+  std::vector<float> reference, difficulty;
+  std::vector<int64_t> checksums;
+};
+
+struct Checksums {
+  int64_t samples, valid, reference;
+};
+
+Checksums tile_checksums(const PackedFrame& frame, size_t tile) {
+  const auto of = [&](const auto* data, size_t count) {
+    return static_cast<int64_t>(checksum(data + tile * count, count * sizeof(*data)));
+  };
+  return {of(frame.samples, frame.tile_samples()), of(frame.valid, frame.tile_valid()),
+          of(frame.reference, PackedFrame::kTileReference)};
+}
+
+/// Copies the tile at (x0, y0) of a picture into kTileSide x kTileSide values, 0 outside of the picture.
+template <class Value>
+void cut_tile(const Value* plane, int width, int height, int x0, int y0, Value* tile) {
+  const int columns = std::min(kTileSide, width - x0), rows = std::min(kTileSide, height - y0);
+  std::fill_n(tile, kTilePixels, Value{0});
+  for (int y = 0; y < rows; ++y)
+    std::copy_n(plane + static_cast<size_t>(y0 + y) * static_cast<size_t>(width) + static_cast<size_t>(x0),
+                columns, tile + y * kTileSide);
+}
+
+/// Radiance is in the first three of the packed channels.
+float smape_of_tile(const float* radiance, const uint8_t* valid, int spp, size_t sample_pitch,
+                    const float* reference) {
+  constexpr float kEpsilon = 0.01F;
+  double sum = 0;
+  int count = 0;
+  for (size_t p = 0; p < kTilePixels; ++p) {
+    float mean[3] = {0, 0, 0};
+    int drawn = 0;
+    for (size_t s = 0; s < static_cast<size_t>(spp); ++s) {
+      if (valid[s * kTilePixels + p] == 0) continue;
+      ++drawn;
+      for (size_t c = 0; c < 3; ++c) mean[c] += radiance[s * sample_pitch + c * kTilePixels + p];
+    }
+    if (drawn == 0) continue;
+    ++count;
+    for (size_t c = 0; c < 3; ++c) {
+      const float d = mean[c] / static_cast<float>(drawn), r = reference[c * kTilePixels + p];
+      sum += std::fabs(d - r) / (std::fabs(d) + std::fabs(r) + kEpsilon);
+    }
+  }
+  return count == 0 ? 0.0F : static_cast<float>(sum / (3 * count));
+}
+
+}  // namespace
+
+bool PackedFrame::intact(const TileRange& range) const {
+  for (int y = range.y0; y < range.y1; ++y)
+    for (int x = range.x0; x < range.x1; ++x) {
+      const size_t tile = static_cast<size_t>(y) * static_cast<size_t>(tiles_x()) + static_cast<size_t>(x);
+      const Checksums found = tile_checksums(*this, tile);
+      const int64_t* stored = checksums + 3 * tile;
+      if (found.samples != stored[0] || found.valid != stored[1] || found.reference != stored[2])
+        return false;
+    }
+  return true;
+}
+
+std::vector<std::string> packed_features(const std::vector<std::string>& features) {
+  for (const std::string& name : features) find_feature(name);
+  std::vector<std::string> packed;
+  for (const Feature& feature : feature_schema())
+    if (feature.name == "radiance" ||
+        std::find(features.begin(), features.end(), feature.name) != features.end())
+      packed.push_back(feature.name);
+  return packed;
+}
+
+PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features) {
+  const Frame& frame = pair.frame;
+  PackedFrame packed;
+  packed.width = frame.width;
+  packed.height = frame.height;
+  packed.spp = frame.spp;
+  packed.features = packed_features(features);
+  packed.depth_scale = frame.info.depth_scale;
+  std::vector<int> planes;  // where the packed channels are in the frame
+  for (const std::string& name : packed.features)
+    for (int c = 0; c < find_feature(name).channels; ++c) planes.push_back(find_feature(name).offset + c);
+
+  const auto buffers = std::make_shared<Buffers>();
+  buffers->samples.resize(packed.tiles() * packed.tile_samples());
+  buffers->valid.resize(packed.tiles() * packed.tile_valid());
+  buffers->reference.resize(packed.tiles() * PackedFrame::kTileReference);
+  const size_t sample_pitch = planes.size() * kTilePixels;
+  std::vector<float> cut(packed.tile_samples());
+  for (size_t tile = 0; tile < packed.tiles(); ++tile) {
+    const int x0 = static_cast<int>(tile % static_cast<size_t>(packed.tiles_x())) * kTileSide;
+    const int y0 = static_cast<int>(tile / static_cast<size_t>(packed.tiles_x())) * kTileSide;
+    const auto cut_plane = [&](const auto* plane, auto* out) {
+      cut_tile(plane, frame.width, frame.height, x0, y0, out);
+    };
+    uint8_t* valid = buffers->valid.data() + tile * packed.tile_valid();
+    float* reference = buffers->reference.data() + tile * PackedFrame::kTileReference;
+    for (int s = 0; s < frame.spp; ++s) {
+      uint8_t* mask = valid + s * kTilePixels;
+      cut_plane(frame.valid_plane(s), mask);
+      float* channel = cut.data() + static_cast<size_t>(s) * sample_pitch;
+      for (const int plane : planes) {
+        cut_plane(frame.plane(s, plane), channel);
+        for (size_t p = 0; p < kTilePixels; ++p) channel[p] = mask[p] != 0 ? channel[p] : 0.0F;
+        channel += kTilePixels;
+      }
+    }
+    for (int c = 0; c < 3; ++c) cut_plane(pair.reference.plane(c), reference + c * kTilePixels);
+    float_to_half(cut.data(), buffers->samples.data() + tile * packed.tile_samples(), cut.size());
+    buffers->difficulty.push_back(smape_of_tile(cut.data(), valid, frame.spp, sample_pitch, reference));
+  }
+  packed.samples = buffers->samples.data();
+  packed.valid = buffers->valid.data();
+  packed.reference = buffers->reference.data();
+  packed.difficulty = buffers->difficulty.data();
+  for (size_t tile = 0; tile < packed.tiles(); ++tile) {
+    const Checksums sums = tile_checksums(packed, tile);
+    buffers->checksums.insert(buffers->checksums.end(), {sums.samples, sums.valid, sums.reference});
+  }
+  packed.checksums = buffers->checksums.data();
+  packed.memory = buffers;
+  return packed;
+}
+
+}  // namespace ld

@@ -1,0 +1,98 @@
+#include "training/training_data.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/checksum.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "dataset/varying_features.h"
+
+namespace ld {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr uint64_t kMegabyte = uint64_t{1} << 20;
+constexpr uint64_t kValidationMemory = 256 * kMegabyte;  // where no cache file can be written
+
+std::vector<std::string> found_features(const DataConfig& config) {
+  std::vector<fs::path> folders;
+  for (const DataSetConfig& set : data_sets(config)) folders.emplace_back(set.path);
+  spdlog::info("looking for features that vary in the training split ...");
+  const std::vector<std::string> features =
+      varying_features(folders, "train", static_cast<int>(torch::get_num_threads()));
+  std::vector<std::string> left_out;
+  for (const std::string& name : mh20_feature_names())
+    if (std::find(features.begin(), features.end(), name) == features.end()) left_out.push_back(name);
+  spdlog::info("network.features=auto: {}; left out: {}", fmt::join(features, ", "),
+               left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(left_out, ", ")));
+  return features;
+}
+
+}  // namespace
+
+std::vector<DataSetConfig> data_sets(const DataConfig& config) {
+  if (config.path.empty() && config.paths.empty())
+    fail_usage("data.path is empty; say data.path=FOLDER, a data set that ld_render or ld_import wrote");
+  if (!config.path.empty() && !config.paths.empty())
+    fail_usage("data.path and data.paths are both given; list all data sets in data.paths, or use data.path");
+  if (config.paths.empty()) return {{config.path, 1}};
+  std::set<fs::path> seen;
+  for (size_t i = 0; i < config.paths.size(); ++i) {
+    const std::string& path = config.paths[i].path;
+    if (path.empty()) fail_usage("data.paths[{}].path is empty; expected the folder of a data set", i);
+    if (!seen.insert(fs::weakly_canonical(path)).second)
+      fail_usage("data.paths[{}]: {} stands twice; give it a larger weight instead", i, path);
+  }
+  return config.paths;
+}
+
+TrainConfig resolve_features(TrainConfig config, const fs::path& run) {
+  if (!config.network.auto_features()) return config;
+  const fs::path stored = run / "config.yaml";
+  config.network.features = fs::exists(stored)
+                                ? config_from_tree<TrainConfig>(read_config(stored)).network.features
+                                : found_features(config.data);
+  return config;
+}
+
+TrainingSet make_training_set(const TrainConfig& config) {
+  const DataConfig& data = config.data;
+  const std::vector<DataSetConfig> sets = data_sets(data);
+  const CacheOptions cache = {data.cache,
+                              static_cast<uint64_t>(data.cache_megabytes) * kMegabyte / sets.size()};
+  std::vector<WeightedStore> stores;
+  for (const DataSetConfig& set : sets)
+    stores.push_back(
+        {std::make_unique<FrameStore>(set.path, "train", config.network.features, cache), set.weight});
+  TrainingSetOptions options;
+  options.augmentation = {static_cast<int>(data.crop), data.flips, data.rotations,
+                          static_cast<int>(data.difficulty), static_cast<float>(data.exposure)};
+  options.batch = data.batch;
+  options.seed = config.seed;
+  options.workers = static_cast<int>(data.workers);
+  return TrainingSet(std::move(stores), config.network.features, options);
+}
+
+std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfig& config) {
+  std::vector<std::unique_ptr<FrameStore>> stores;
+  for (const DataSetConfig& set : data_sets(config.data)) {
+    const std::vector<ManifestFrame> frames = read_manifest(set.path).frames;
+    if (std::any_of(frames.begin(), frames.end(),
+                    [](const ManifestFrame& frame) { return frame.split == "validation"; }))
+      stores.push_back(std::make_unique<FrameStore>(set.path, "validation", config.network.features,
+                                                    CacheOptions{config.data.cache, kValidationMemory}));
+  }
+  return stores;
+}
+
+std::string manifests_checksum(const DataConfig& config) {
+  std::vector<std::string> checksums;
+  for (const DataSetConfig& set : data_sets(config))
+    checksums.push_back(file_checksum(fs::path(set.path) / "manifest.json"));
+  return fmt::format("{}", fmt::join(checksums, "+"));
+}
+
+}  // namespace ld

@@ -1,0 +1,31 @@
+// From the data: section of a configuration to what a training reads.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "dataset/training_set.h"
+#include "training/config.h"
+
+namespace ld {
+
+/// The data sets of `path` or `paths`. Throws UsageError when there are none, both are given, or one stands
+/// twice.
+std::vector<DataSetConfig> data_sets(const DataConfig& config);
+
+/// Replaces `network.features: auto` by the list in the run's stored configuration, so that a run continues
+/// with the features it began with, or, for a new run, by what varying_features() finds; logs what it left
+/// out.
+TrainConfig resolve_features(TrainConfig config, const std::filesystem::path& run);
+
+TrainingSet make_training_set(const TrainConfig& config);
+
+/// The validation splits of those data sets that have one.
+std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfig& config);
+
+/// Of the manifests of all data sets: changes when the data does.
+std::string manifests_checksum(const DataConfig& config);
+
+}  // namespace ld

@@ -1,0 +1,138 @@
+#include "dataset/training_set.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "core/file_io.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_dataset.h"
+
+namespace ld {
+namespace {
+
+const std::vector<std::string> kFeatures = {"normal", "radiance"};
+
+std::unique_ptr<FrameStore> store(const std::filesystem::path& folder, const CacheOptions& cache = {}) {
+  return std::make_unique<FrameStore>(folder, "train", kFeatures, cache);
+}
+
+TrainingSetOptions options(int crop, int64_t batch, int workers = 0, uint64_t seed = 1) {
+  TrainingSetOptions options;
+  options.augmentation.crop = crop;
+  options.batch = batch;
+  options.workers = workers;
+  options.seed = seed;
+  return options;
+}
+
+TrainingSet training_set(const std::filesystem::path& folder, const TrainingSetOptions& options,
+                         const CacheOptions& cache = {}) {
+  std::vector<WeightedStore> sets;
+  sets.push_back({store(folder, cache), 1});
+  return TrainingSet(std::move(sets), kFeatures, options);
+}
+
+bool same(const Batch& a, const Batch& b) {
+  return a.input.features.equal(b.input.features) && a.input.radiance.equal(b.input.radiance) &&
+         a.input.valid.equal(b.input.valid) && a.reference.equal(b.reference);
+}
+
+TEST(TrainingSet, BatchesDependOnSeedAndStepAlone) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 5);
+  TrainingSet first = training_set(folder.path(), options(8, 2)),
+              other = training_set(folder.path(), options(8, 2, 0, 2)),
+              uncached = training_set(folder.path(), options(8, 2), {"none", 0}),
+              in_memory = training_set(folder.path(), options(8, 2), {"none", 1 << 20});
+  EXPECT_EQ(first.steps_per_epoch(), 2);
+  std::vector<std::unique_ptr<TrainingSet>> many;
+  for (const int workers : {1, 2, 5}) {
+    std::vector<WeightedStore> sets;
+    sets.push_back({store(folder.path()), 1});
+    many.push_back(std::make_unique<TrainingSet>(std::move(sets), kFeatures, options(8, 2, workers)));
+  }
+  for (const int64_t step : {0, 1, 2, 7, 3, 4, 5}) {
+    const Batch batch = first.batch(step);
+    EXPECT_TRUE(same(batch, uncached.batch(step)));
+    EXPECT_TRUE(same(batch, in_memory.batch(step)));
+    EXPECT_FALSE(same(batch, other.batch(step)));
+    for (const std::unique_ptr<TrainingSet>& set : many) EXPECT_TRUE(same(batch, set->batch(step)));
+    // The tiny data set's reference is the mean of the samples: pixels and reference were cut alike.
+    EXPECT_TRUE(torch::allclose(batch.input.radiance.mean(1), batch.reference, 1e-2, 1e-3));
+  }
+}
+
+TEST(TrainingSet, FramesOfSeveralSizesAndNumbersOfSamples) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "a", 3, 37, 1);
+  write_tiny_dataset(folder / "b", 2, 19, 3);
+  std::vector<WeightedStore> sets;
+  sets.push_back({store(folder / "a"), 1});
+  sets.push_back({store(folder / "b"), 3});
+  TrainingSet set(std::move(sets), kFeatures, options(17, 4, 2));
+  EXPECT_EQ(set.steps_per_epoch(), 1);
+  for (int64_t step = 0; step < 6; ++step) {
+    const Batch batch = set.batch(step);
+    ASSERT_EQ(batch.input.features.sizes(), (std::vector<int64_t>{4, 3, 6, 17, 17}));
+    // One crop of `a` for three of `b`; what `a` lacks is filled up with samples that are not valid.
+    const torch::Tensor drawn = batch.input.valid.sum({1, 2, 3, 4});
+    int few = 0;
+    for (int64_t b = 0; b < 4; ++b) {
+      const bool one = drawn[b].item<float>() == 17 * 17;
+      few += one;
+      EXPECT_EQ(drawn[b].item<float>(), (one ? 1 : 3) * 17 * 17);
+      if (one) {
+        EXPECT_EQ(batch.input.features[b].slice(0, 1).abs().sum().item<float>(), 0);
+        EXPECT_EQ(batch.input.radiance[b].slice(0, 1).abs().sum().item<float>(), 0);
+      }
+    }
+    EXPECT_EQ(few, 1) << "step " << step;
+  }
+}
+
+TEST(TrainingSet, ExposureScalesSamplesAndReference) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 4);
+  TrainingSetOptions exposed = options(8, 4);
+  exposed.augmentation.exposure = 3;
+  TrainingSet plain = training_set(folder.path(), options(8, 4)), set = training_set(folder.path(), exposed);
+  const Batch before = plain.batch(0), after = set.batch(0);
+  for (int64_t b = 0; b < 4; ++b) {
+    const torch::Tensor factor = after.reference[b].sum() / before.reference[b].sum();
+    EXPECT_GE(factor.item<float>(), 0.125F);
+    EXPECT_LE(factor.item<float>(), 8.0F);
+    EXPECT_GT((factor - 1).abs().item<float>(), 0.01F);
+    EXPECT_TRUE(torch::allclose(after.reference[b], factor * before.reference[b], 1e-5));
+    EXPECT_TRUE(torch::allclose(after.input.radiance[b], factor * before.input.radiance[b], 1e-5));
+    EXPECT_TRUE(after.input.features[b].slice(1, 0, 3).equal(before.input.features[b].slice(1, 0, 3)));
+    EXPECT_FALSE(after.input.features[b].slice(1, 3).equal(before.input.features[b].slice(1, 3)));
+  }
+}
+
+TEST(TrainingSet, WhatIsWrongWithAFrameReachesTheCaller) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 2);
+  for (const int workers : {0, 2}) {
+    TrainingSet set = training_set(folder.path(), options(8, 2, workers), {"none", 0});
+    EXPECT_NO_THROW(set.batch(0));
+    const auto path = reference_path(folder.path(), "frame_1");
+    const std::string good = read_file(path);
+    std::ofstream(path) << "no picture";
+    EXPECT_ERROR(set.batch(7), "frame_1.reference.exr");
+    std::ofstream(path) << good;
+    EXPECT_NO_THROW(set.batch(9));
+  }
+}
+
+TEST(TrainingSet, TooFewFramesAndTooLargeCropsAreErrors) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 3);
+  EXPECT_THROW(training_set(folder.path(), options(8, 4)), UsageError);
+  EXPECT_THROW(training_set(folder.path(), options(17, 1)), UsageError);
+}
+
+}  // namespace
+}  // namespace ld
