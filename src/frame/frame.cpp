@@ -10,9 +10,10 @@ Faults sanitise(Frame& frame) {
   const size_t pixels = frame.plane_size();
   for (int s = 0; s < frame.spp; ++s) {
     uint8_t* valid = frame.valid_plane(s);
+    float* const alpha = frame.alpha.empty() ? nullptr : frame.alpha.data() + static_cast<size_t>(s) * pixels;
     for (size_t p = 0; p < pixels; ++p) {
       float* sample = frame.plane(s, 0) + p;
-      bool finite = true;
+      bool finite = alpha == nullptr || std::isfinite(alpha[p]);
       for (size_t c = 0; c < kSampleChannels; ++c) finite = finite && std::isfinite(sample[c * pixels]);
       if (valid[p] != 0 && !finite) {
         ++faults.not_finite;
@@ -29,25 +30,41 @@ Faults sanitise(Frame& frame) {
           value = std::clamp(value, -kEscapedDepth, kEscapedDepth);
         }
       }
+      if (alpha != nullptr) alpha[p] = valid[p] == 0 ? 0.0F : std::clamp(alpha[p], 0.0F, 1.0F);
     }
   }
   return faults;
 }
 
-Image mean_radiance(const Frame& frame) {
-  Image mean(frame.width, frame.height, 3);
-  const size_t pixels = frame.plane_size();
-  for (size_t p = 0; p < pixels; ++p) {
+namespace {
+
+/// Mean over the valid samples of planes value(sample, channel).
+template <class Plane>
+Image mean_of(const Frame& frame, int channels, const Plane& plane) {
+  Image mean(frame.width, frame.height, channels);
+  for (size_t p = 0; p < frame.plane_size(); ++p) {
     double sum[3] = {0, 0, 0};
     int count = 0;
     for (int s = 0; s < frame.spp; ++s) {
       if (frame.valid_plane(s)[p] == 0) continue;
       ++count;
-      for (int c = 0; c < 3; ++c) sum[c] += frame.plane(s, c)[p];
+      for (int c = 0; c < channels; ++c) sum[c] += plane(s, c)[p];
     }
-    for (int c = 0; c < 3; ++c) mean.plane(c)[p] = count == 0 ? 0.0F : static_cast<float>(sum[c] / count);
+    for (int c = 0; c < channels; ++c)
+      mean.plane(c)[p] = count == 0 ? 0.0F : static_cast<float>(sum[c] / count);
   }
   return mean;
+}
+
+}  // namespace
+
+Image mean_radiance(const Frame& frame) {
+  return mean_of(frame, 3, [&](int s, int c) { return frame.plane(s, c); });
+}
+
+Image mean_alpha(const Frame& frame) {
+  return mean_of(
+      frame, 1, [&](int s, int) { return frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(); });
 }
 
 float median_depth(const Frame& frame) {

@@ -32,6 +32,20 @@ struct Faults {
   bool any() const { return negative + not_finite + clamped > 0; }
 };
 
+/// Where a picture lies in a larger one that it was cut from or overscans: OpenEXR's data and display window,
+/// in pixels, +y down.
+struct Windows {
+  int x = 0, y = 0;  // the upper left pixel of the data window, which is as large as the picture
+  int display_left = 0, display_top = 0, display_right = -1,
+      display_bottom = -1;  // inclusive; as it stands here: the data window
+  bool operator==(const Windows& other) const {
+    return x == other.x && y == other.y && display_left == other.display_left &&
+           display_top == other.display_top && display_right == other.display_right &&
+           display_bottom == other.display_bottom;
+  }
+  bool has_display() const { return display_right >= display_left; }
+};
+
 /// Where a frame came from; kept as attributes of the file. Empty or 0 where not known.
 struct FrameInfo {
   std::string generator;  // program that rendered it
@@ -41,16 +55,18 @@ struct FrameInfo {
   float depth_scale = 0;  // median finite depth in scene units; 1 when every ray escaped
   std::string camera;     // parameters of the camera, for people
   int64_t clamped = 0;    // Faults::clamped when the file was written
+  Windows windows;
 };
 
 /// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
 /// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
-/// are then 0). Channels of features that the frame does not hold are 0.
+/// are then 0, and its alpha). Channels of features that the frame does not hold are 0.
 struct Frame {
   int width = 0, height = 0, spp = 0;
   std::vector<std::string> features = mh20_feature_names();  // those it holds, in any order
   std::vector<float> samples;
   std::vector<uint8_t> valid;
+  std::vector<float> alpha;  // [spp, height, width]: 1 opaque, its radiance is premultiplied; empty: none
   FrameInfo info;
 
   Frame() = default;
@@ -74,12 +90,16 @@ struct Frame {
   }
 };
 
-/// Masks samples that hold a NaN or an infinity, sets negative radiance to 0, clamps guides to half's range
-/// and sets the channels of masked samples to 0. Every frame passes through here once, on its way in.
+/// Masks samples that hold a NaN or an infinity, sets negative radiance to 0, clamps guides to half's range,
+/// alpha to [0, 1] and sets the channels of masked samples to 0. Every frame passes through here once, on its
+/// way in.
 Faults sanitise(Frame& frame);
 
 /// Mean radiance of the valid samples, [3, H, W], accumulated in double; 0 where a pixel has none.
 Image mean_radiance(const Frame& frame);
+
+/// Mean alpha of the valid samples, [1, H, W]; 0 where a pixel has none. The frame must have alpha.
+Image mean_alpha(const Frame& frame);
 
 /// Median over the depths of valid samples below kEscapedDepth; 1 when there is none, or no depth.
 float median_depth(const Frame& frame);

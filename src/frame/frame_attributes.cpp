@@ -70,4 +70,26 @@ FrameInfo read_attributes(const Imf::Header& header, const std::string& path, in
   return info;
 }
 
+Imf::Header header_with(int width, int height, const Windows& windows) {
+  const Imath::V2i corner(windows.x, windows.y);
+  const Imath::Box2i data(corner, corner + Imath::V2i(width - 1, height - 1));
+  const Imath::Box2i display({windows.display_left, windows.display_top},
+                             {windows.display_right, windows.display_bottom});
+  return {windows.has_display() ? display : data, data};
+}
+
+Windows windows_of(const Imf::Header& header) {
+  const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
+  Windows windows;
+  windows.x = data.min.x;
+  windows.y = data.min.y;
+  if (display != data) {
+    windows.display_left = display.min.x;
+    windows.display_top = display.min.y;
+    windows.display_right = display.max.x;
+    windows.display_bottom = display.max.y;
+  }
+  return windows;
+}
+
 }  // namespace ld

@@ -16,4 +16,8 @@ void write_attributes(Imf::Header& header, const FrameInfo& info, int spp);
 /// Error for a newer schema version and for values of a wrong type; `path` names the file in complaints.
 FrameInfo read_attributes(const Imf::Header& header, const std::string& path, int& spp);
 
+/// A header without channels for a picture of this size, with its data and display window.
+Imf::Header header_with(int width, int height, const Windows& windows);
+Windows windows_of(const Imf::Header& header);
+
 }  // namespace ld

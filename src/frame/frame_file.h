@@ -14,6 +14,7 @@ struct FrameHeader {
   int width = 0, height = 0;
   int spp = 0;                        // number of sample parts; 0 for a file with means only
   std::vector<std::string> features;  // features of the schema that every sample part holds
+  bool alpha = false;                 // every sample part has a channel A
   FrameInfo info;
 };
 
@@ -26,16 +27,16 @@ FrameHeader read_frame_header(const std::filesystem::path& path);
 /// channel), and for a file without samples.
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults);
 
-/// Writes part `mean` and parts s000, s001, ... with the frame's features, and the info as attributes;
-/// atomic. Radiance beyond half's range is clamped and the count of clamped channels returned. Masked samples
-/// are written as NaN radiance, so that they are masked again on reading. The same frame gives the same
-/// bytes. Throws Error when the frame cannot be written or holds no radiance, UsageError for an unknown
-/// feature.
+/// Writes part `mean` and parts s000, s001, ... with the frame's features and alpha, and the info as
+/// attributes; atomic. Radiance beyond half's range is clamped and the count of clamped channels returned.
+/// Masked samples are written as NaN radiance, so that they are masked again on reading. The same frame gives
+/// the same bytes. Throws Error when the frame cannot be written or holds no radiance, UsageError for an
+/// unknown feature.
 int64_t write_frame(const std::filesystem::path& path, const Frame& frame);
 
-/// An image of 1 or 3 channels: ".exr" holds linear half floats, ".png" 8 bits of the tone map (eq. 7 of
-/// [MH20]); atomic. Throws Error for another extension.
-void write_image(const std::filesystem::path& path, const Image& image);
+/// An image of 1 (Y), 3 (R, G, B) or, in ".exr", 4 channels (and A): ".exr" holds linear half floats, ".png"
+/// 8 bits of the tone map (eq. 7 of [MH20]) and no windows; atomic. Throws Error for another extension.
+void write_image(const std::filesystem::path& path, const Image& image, const Windows& windows = {});
 
 /// Reads R, G, B of the first part of an EXR. `bad_pixels`, when given, receives how many channels were NaN,
 /// infinite or negative; they are set to 0. Throws Error.

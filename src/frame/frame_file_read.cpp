@@ -66,6 +66,9 @@ FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
         "correct the attribute",
         exr.path(), said_spp, header.spp);
   const int first = parts.empty() ? 0 : parts[0];
+  header.info.windows = windows_of(exr.header(first));
+  header.alpha = !parts.empty() && std::all_of(parts.begin(), parts.end(),
+                                               [&](int part) { return exr.has_channel(part, "A"); });
   header.width = exr.width(first);
   header.height = exr.height(first);
   if (int64_t{header.width} * header.height * std::max(header.spp, 1) > kMaxFrameSamples)
@@ -115,6 +118,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   Frame frame(header.width, header.height, header.spp);
   frame.info = header.info;
   frame.features = header.features;
+  if (header.alpha) frame.alpha.resize(frame.valid.size());
   for (int s = 0; s < frame.spp; ++s) {
     const int part = parts[static_cast<size_t>(s)];
     std::vector<ExrPlane> planes;
@@ -125,6 +129,10 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
         exr.require_channel(part, channel, "");
         planes.push_back({channel, frame.plane(s, feature.offset + c)});
       }
+    }
+    if (header.alpha) {
+      exr.require_channel(part, "A", "");
+      planes.push_back({"A", frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size()});
     }
     exr.read(part, planes);
   }

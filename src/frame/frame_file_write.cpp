@@ -38,6 +38,9 @@ void check_frame(const std::filesystem::path& path, const Frame& frame) {
   if (frame.valid.size() != expected || frame.samples.size() != expected * kSampleChannels)
     fail("cannot write {}: the frame's buffers hold {} samples and {} mask entries; expected {}",
          path.string(), frame.samples.size() / kSampleChannels, frame.valid.size(), expected);
+  if (!frame.alpha.empty() && frame.alpha.size() != expected)
+    fail("cannot write {}: the frame has alpha for {} samples; expected {} or none", path.string(),
+         frame.alpha.size(), expected);
   for (const std::string& name : frame.features) find_feature(name);
   if (!frame.holds("radiance")) fail("cannot write {}: the frame holds no radiance", path.string());
 }
@@ -76,7 +79,7 @@ Image stored_mean(const Frame& frame, bool mended) {
 
 Imf::Header part_header(const Frame& frame, const std::string& name,
                         const std::vector<std::string>& channels) {
-  Imf::Header header(frame.width, frame.height);
+  Imf::Header header = header_with(frame.width, frame.height, frame.info.windows);
   header.setName(name);
   header.setType(Imf::TILEDIMAGE);
   header.compression() = Imf::ZIP_COMPRESSION;
@@ -101,7 +104,7 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const std::vector<std:
 /// A channel of the samples: its name in the file and its place among kSampleChannels.
 struct SampleChannel {
   std::string name;
-  int index;
+  int index;  // -1: alpha
 };
 
 std::vector<SampleChannel> sample_channels(const Frame& frame) {
@@ -110,6 +113,7 @@ std::vector<SampleChannel> sample_channels(const Frame& frame) {
     if (frame.holds(feature.name))
       for (int c = 0; c < feature.channels; ++c)
         channels.push_back({feature.exr_channels[static_cast<size_t>(c)], feature.offset + c});
+  if (!frame.alpha.empty()) channels.push_back({"A", -1});
   return channels;
 }
 
@@ -119,8 +123,10 @@ std::vector<half> sample_planes(const Frame& frame, int sample, const std::vecto
   const uint8_t* valid = frame.valid_plane(sample);
   half* out = planes.data();
   for (const SampleChannel& channel : channels) {
-    const half masked = channel.index < 3 ? std::numeric_limits<half>::quiet_NaN() : half(0.0F);
-    const float* plane = frame.plane(sample, channel.index);
+    const bool alpha = channel.index < 0, radiance = !alpha && channel.index < 3;
+    const half masked = radiance ? std::numeric_limits<half>::quiet_NaN() : half(0.0F);
+    const float* plane = alpha ? frame.alpha.data() + static_cast<size_t>(sample) * pixels
+                               : frame.plane(sample, channel.index);
     for (size_t p = 0; p < pixels; ++p) *out++ = valid[p] != 0 ? to_half(plane[p]) : masked;
   }
   return planes;
@@ -132,12 +138,17 @@ int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
   check_frame(path, frame);
   bool mended = false;
   const int64_t clamped = count_beyond_half(frame, mended);
-  const Image mean = stored_mean(frame, mended || clamped > 0);
+  Image mean = stored_mean(frame, mended || clamped > 0);
+  if (!frame.alpha.empty()) {
+    const Image alpha = mean_alpha(frame);
+    mean.pixels.insert(mean.pixels.end(), alpha.pixels.begin(), alpha.pixels.end());
+  }
   FrameInfo info = frame.info;
   info.clamped += clamped;
   if (info.depth_scale <= 0) info.depth_scale = median_depth(frame);
 
-  const std::vector<std::string> mean_channels = {"R", "G", "B"};
+  std::vector<std::string> mean_channels = {"R", "G", "B"};
+  if (!frame.alpha.empty()) mean_channels.emplace_back("A");
   const std::vector<SampleChannel> channels = sample_channels(frame);
   std::vector<std::string> names;
   for (const SampleChannel& channel : channels) names.push_back(channel.name);

@@ -16,19 +16,21 @@
 #include "core/file_io.h"
 #include "core/tone_map.h"
 #include "frame/exr_check.h"
+#include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
 
 namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-void write_exr(const fs::path& path, const Image& image) {
-  const std::vector<std::string> channels =
-      image.channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+void write_exr(const fs::path& path, const Image& image, const Windows& windows) {
+  std::vector<std::string> channels = {"Y"};
+  if (image.channels > 1) channels = {"R", "G", "B"};
+  if (image.channels == 4) channels.emplace_back("A");
   std::vector<half> pixels(image.pixels.size());
   std::transform(image.pixels.begin(), image.pixels.end(), pixels.begin(),
                  [](float value) { return half(std::clamp(value, -65504.0F, 65504.0F)); });
-  Imf::Header header(image.width, image.height);
+  Imf::Header header = header_with(image.width, image.height, windows);
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer buffer;
   for (size_t c = 0; c < channels.size(); ++c) {
@@ -64,21 +66,21 @@ void write_png(const fs::path& path, const Image& image) {
 
 }  // namespace
 
-void write_image(const fs::path& path, const Image& image) {
+void write_image(const fs::path& path, const Image& image, const Windows& windows) {
   const std::string extension = path.extension().string();
   if (extension != ".exr" && extension != ".png")
     fail("cannot write {}: unknown extension '{}'; expected .exr (linear) or .png (tone-mapped)",
          path.string(), extension);
   if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide || image.height > kMaxImageSide ||
-      (image.channels != 1 && image.channels != 3) ||
+      (image.channels != 1 && image.channels != 3 && (image.channels != 4 || extension != ".exr")) ||
       image.pixels.size() != image.plane_size() * static_cast<size_t>(image.channels))
     fail(
         "cannot write {}: an image of {} x {} pixels with {} channels and {} numbers; expected 1 to {} "
         "pixels a side and "
-        "1 or 3 channels",
+        "1, 3 or, in EXR, 4 channels",
         path.string(), image.width, image.height, image.channels, image.pixels.size(), kMaxImageSide);
   write_atomically(path, [&](const fs::path& temporary) {
-    extension == ".exr" ? write_exr(temporary, image) : write_png(temporary, image);
+    extension == ".exr" ? write_exr(temporary, image, windows) : write_png(temporary, image);
   });
 }
 

@@ -13,9 +13,9 @@ struct ManifestFrame {
   std::string name;   // "frame_000012": NAME.exr holds the samples, NAME.reference.exr the reference
   std::string split;  // "train", "validation" or "test"
   int64_t index = 0;  // frame of the recipe
-  std::optional<int64_t> sequence,
-      position;                              // of frames that follow one another: which sequence, where in it
   std::string checksum, reference_checksum;  // core/checksum.h; empty: not checked (hand-written manifests)
+  // of frames that follow one another: which sequence, where in it
+  std::optional<int64_t> sequence = {}, position = {};
 };
 
 struct Manifest {

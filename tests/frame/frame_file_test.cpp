@@ -119,6 +119,58 @@ TEST(FrameFile, HoldsTheFeaturesThatTheFrameHolds) {
   EXPECT_ERROR(write_frame(folder / "frame.exr", frame), "did you mean 'flow'");
 }
 
+TEST(FrameFile, AlphaAndWindowsSurvive) {
+  const TemporaryFolder folder;
+  Frame frame = random_frame(5, 3, 2);
+  frame.alpha.assign(30, 1.0F);
+  frame.alpha[7] = 0.25F;
+  frame.alpha[15 + 7] = 0.5F;
+  frame.alpha[15 + 8] = 0.0F;
+  frame.valid_plane(1)[8] = 0;
+  frame.info.windows.x = -2;
+  frame.info.windows.y = 7;
+  frame.info.windows.display_right = 99;
+  frame.info.windows.display_bottom = 49;
+  write_frame(folder / "frame.exr", frame);
+
+  const FrameHeader header = read_frame_header(folder / "frame.exr");
+  EXPECT_TRUE(header.alpha);
+  EXPECT_EQ(header.info.windows, frame.info.windows);
+  Faults faults;
+  const Frame read = read_all(folder / "frame.exr", faults);
+  EXPECT_EQ(read.alpha, frame.alpha);
+  EXPECT_EQ(read.info.windows, frame.info.windows);
+  EXPECT_EQ(read.width, 5);
+  const Image mean = mean_alpha(read);
+  EXPECT_EQ(mean.pixels[7], 0.375F);
+  EXPECT_EQ(mean.pixels[8], 1.0F);  // of the one sample that counts
+  write_frame(folder / "again.exr", read);
+  EXPECT_EQ(read_file(folder / "frame.exr"), read_file(folder / "again.exr"));
+
+  Image image(5, 3, 4);
+  image.at(3, 2, 1) = 0.5F;
+  write_image(folder / "image.exr", image, frame.info.windows);
+  EXPECT_EQ(read_frame_header(folder / "image.exr").info.windows, frame.info.windows);
+  EXPECT_ERROR(write_image(folder / "image.png", image), "4 channels");
+
+  frame.alpha.pop_back();
+  EXPECT_ERROR(write_frame(folder / "frame.exr", frame), "alpha for 29 samples; expected 30");
+  frame.alpha.clear();
+  frame.info.windows = {};
+  write_frame(folder / "frame.exr", frame);
+  EXPECT_FALSE(read_frame_header(folder / "frame.exr").alpha);
+  EXPECT_TRUE(read_all(folder / "frame.exr", faults).alpha.empty());
+}
+
+TEST(FrameFile, AlphaIsMendedLikeTheRest) {
+  Frame frame = random_frame(3, 1, 1);
+  frame.alpha = {1.5F, kNaN, -0.5F};
+  const Faults faults = sanitise(frame);
+  EXPECT_EQ(faults.not_finite, 1);
+  EXPECT_EQ(frame.alpha, (std::vector<float>{1, 0, 0}));
+  EXPECT_EQ(frame.valid[1], 0);
+}
+
 TEST(Schema, TheTwentyChannelsOfThePaperComeFirst) {
   EXPECT_EQ(channel_count(mh20_feature_names()), 20);
   EXPECT_EQ(channel_count(feature_names()), kSampleChannels);
