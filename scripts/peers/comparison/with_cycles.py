@@ -1,6 +1,5 @@
 """Renders a scene of scenes.py with Blender Cycles."""
 import math
-import time
 
 import bpy
 import mathutils
@@ -109,12 +108,9 @@ def build(scene, folder):
 
 
 def render(scene, folder, spp, threads):
-    """(picture, seconds of rendering)."""
     target = build(scene, folder)
     # Cycles counts the scatterings before the last one.
     cycles_samples.sample_settings(target, bpy.context.view_layer, bounces=scene["max_bounces"] - 1)
     target.render.threads_mode, target.render.threads = "FIXED", threads
-    cycles_samples.render(target, folder / "cycles.exr", 1, 0)  # loads the kernels, builds the BVH
-    start = time.monotonic()
     cycles_samples.render(target, folder / "cycles.exr", spp, 1)
-    return exr.read(folder / "cycles.exr", "ViewLayer.Combined."), time.monotonic() - start
+    return exr.read(folder / "cycles.exr", "ViewLayer.Combined.")
