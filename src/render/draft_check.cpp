@@ -41,7 +41,7 @@ void count_hit(const PreparedScene& scene, const Ray& ray, float time, float dep
   if (depth < 0.4F) ++hits.near;
   if (surface->object < 0) return;
   ++hits.objects[surface->object];
-  if (is_clear(scene.material_of(*surface, 0.5F))) {
+  if (is_clear(scene.material_of(*surface, -ray.direction))) {
     ++hits.specular;
     if (dot(surface->geometric_normal, ray.direction) > 0) ++hits.inside;
   }
