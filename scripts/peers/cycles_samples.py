@@ -23,8 +23,7 @@ def sample_settings(scene, view_layer, bounces=None):
     cycles.caustics_reflective = cycles.caustics_refractive = True
     cycles.time_limit = 0
     # Blue noise would make the samples of neighbouring pixels depend on each other.
-    patterns = cycles.bl_rna.properties["sampling_pattern"].enum_items.keys()
-    cycles.sampling_pattern = "TABULATED_SOBOL" if "TABULATED_SOBOL" in patterns else "SOBOL"  # before Blender 3.5
+    cycles.sampling_pattern = "TABULATED_SOBOL" if bpy.app.version >= (3, 5, 0) else "SOBOL"
     cycles.use_auto_tile = False
     if bounces is not None:
         cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
