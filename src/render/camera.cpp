@@ -9,7 +9,7 @@ namespace ld {
 Camera Camera::at(float time) const {
   Camera still = *this;
   still.close.reset();
-  if (close && shutter) {
+  if (moves()) {
     still.position = mix(position, close->position, time);
     still.axes = interpolate(axes, close->axes, time);
   }

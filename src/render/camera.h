@@ -50,6 +50,9 @@ struct Camera {
 
   /// Of a camera that does not move, see at().
   Ray ray(const CameraSample& sample) const;
+  /// From where the camera is at the sample's time.
+  Ray ray_at(const CameraSample& sample) const { return moves() ? at(sample.time).ray(sample) : ray(sample); }
+  bool moves() const { return close && shutter; }
 
   /// Distance along the view axis.
   float depth(Vec3 point) const { return -dot(point - position, axes.z); }

@@ -36,8 +36,8 @@ Bsdf bsdf_at(const Material& material, const Surface& surface, bool outside, flo
 
 GuideRecorder::GuideRecorder(const PreparedScene& scene, float time, bool through_specular, Guides& guides)
     : scene_(scene),
-      camera_(scene.scene().camera.at(time)),
-      time_(time),
+      moved_(scene.scene().camera.moves() ? std::make_optional(scene.scene().camera.at(time)) : std::nullopt),
+      camera_(moved_ ? *moved_ : scene.scene().camera),
       through_specular_(through_specular),
       guides_(guides) {}
 

@@ -61,8 +61,8 @@ class GuideRecorder {
   void place(const Surface& surface);
 
   const PreparedScene& scene_;
-  Camera camera_;  // at the sample's time
-  float time_;
+  std::optional<Camera> moved_;  // at the sample's time, where the camera moves
+  const Camera& camera_;         // that or the scene's
   bool through_specular_, complete_ = false;
   Vec3 filter_ = grey(1);
   Guides& guides_;

@@ -72,8 +72,7 @@ std::optional<Image> render_reference(const PreparedScene& scene, const RenderSe
     for (int s = 0; s < settings.spp; ++s) {
       SampleNumbers numbers(pixel_seed, static_cast<uint32_t>(s));
       const CameraSample where = draw_camera_sample(camera, x, y, numbers);
-      const Vec3 radiance =
-          trace_path(scene, camera.at(where.time).ray(where), where.time, numbers, settings.path);
+      const Vec3 radiance = trace_path(scene, camera.ray_at(where), where.time, numbers, settings.path);
       for (int c = 0; c < 3; ++c) sum[c] += radiance[c];
     }
     for (int c = 0; c < 3; ++c) image.plane(c)[pixel] = static_cast<float>(sum[c] / settings.spp);

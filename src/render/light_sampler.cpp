@@ -67,7 +67,10 @@ LightSampler::LightSampler(const Scene& scene) {
     fail("scene '{}' has both a sky and a probe; expected one of them", scene.name);
   if (scene.sky) sky_.emplace(*scene.sky);
   if (scene.probe) probe_.emplace(*scene.probe);
-  for (const AreaLight& light : scene.lights) areas_.push_back(length(cross(light.edge_u, light.edge_v)));
+  for (const AreaLight& light : scene.lights) {
+    const Vec3 n = cross(light.edge_u, light.edge_v);
+    areas_.push_back({normalize(n), length(n)});
+  }
   for (size_t o = 0; o < scene.objects.size(); ++o) {
     const Mesh& mesh = scene.objects[o].mesh;
     const bool emits = scene.materials[static_cast<size_t>(scene.objects[o].material)].emission.has_value();
@@ -91,7 +94,7 @@ void LightSampler::add_powers(const Scene& scene) {
     return powers.size();
   };
   for (size_t i = 0; i < areas_.size(); ++i)
-    powers.push_back(kPi * areas_[i] * luminance(scene.lights[i].radiance));
+    powers.push_back(kPi * areas_[i].area * luminance(scene.lights[i].radiance));
   first_point_ = end_kind(0);
   for (const PointLight& light : scene.point_lights)
     powers.push_back(2 * kPi * (1 - std::max(light.cos_outer, -1.0F)) * luminance(light.intensity));
@@ -167,8 +170,7 @@ std::optional<LightSample> LightSampler::sample_area_light(const AreaLight& ligh
   const float distance = length(towards);
   if (distance == 0) return std::nullopt;
   const Vec3 direction = towards / distance;
-  const float pdf =
-      area_light_pdf(i, distance, -dot(direction, cross(light.edge_u, light.edge_v)) / areas_[i]);
+  const float pdf = area_light_pdf(i, distance, -dot(direction, areas_[i].normal));
   if (!(pdf > 0)) return std::nullopt;
   return LightSample{direction, distance, light.radiance, pdf, false};
 }
@@ -208,7 +210,7 @@ std::optional<LightSample> LightSampler::sample_triangle(const Scene& scene, con
 
 float LightSampler::area_light_pdf(size_t light, float distance, float cos_light) const {
   if (empty()) return 0;
-  return solid_angle_pdf(bin_share(choice_.data(), light), areas_[light], distance, cos_light);
+  return solid_angle_pdf(bin_share(choice_.data(), light), areas_[light].area, distance, cos_light);
 }
 
 float LightSampler::triangle_pdf(size_t object, size_t triangle, float distance, float cos_light) const {

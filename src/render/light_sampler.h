@@ -42,13 +42,18 @@ class LightSampler {
     float area;
   };
 
+  struct AreaGeometry {
+    Vec3 normal;
+    float area;
+  };
+
   void add_powers(const Scene& scene);
   std::optional<LightSample> sample_area_light(const AreaLight& light, size_t i, Vec3 from, float u1,
                                                float u2) const;
   std::optional<LightSample> sample_triangle(const Scene& scene, const EmissiveTriangle& which, float chosen,
                                              Vec3 from, float time, float u1, float u2) const;
 
-  std::vector<float> areas_;  // of the area lights
+  std::vector<AreaGeometry> areas_;  // of the area lights
   std::vector<EmissiveTriangle> triangles_;
   std::vector<int64_t> first_triangle_;  // [object] index into triangles_, -1 where it does not emit
   std::optional<SkySampler> sky_;

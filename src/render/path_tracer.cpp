@@ -41,8 +41,7 @@ Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_v
   vertex.basis = basis_around(normal);
   vertex.wo = vertex.basis.to_local(to_viewer);
 
-  constexpr uint32_t kMixSalt = 0x2F0B4AU;
-  const Material& material = scene.material_of(surface, hashed_choice(to_viewer, surface.distance, kMixSalt));
+  const Material& material = scene.material_of(surface, to_viewer);
   vertex.bsdf = bsdf_at(material, surface, outside, roughness);
   return vertex;
 }
@@ -149,8 +148,8 @@ CameraSample draw_camera_sample(const Camera& camera, int x, int y, SampleNumber
 std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
                                                 SampleNumbers& numbers, const PathSettings& settings) {
   Guides g;
-  const Vec3 radiance =
-      trace_path(scene, scene.scene().camera.at(where.time).ray(where), where.time, numbers, settings, &g);
+  const Camera& camera = scene.scene().camera;
+  const Vec3 radiance = trace_path(scene, camera.ray_at(where), where.time, numbers, settings, &g);
   return {radiance.x,   radiance.y,  radiance.z, g.normal.x, g.normal.y,   g.normal.z,
           g.depth,      g.albedo.x,  g.albedo.y, g.albedo.z, g.specular.x, g.specular.y,
           g.specular.z, g.roughness, g.motion.x, g.motion.y, g.coc,        where.lens.x,

@@ -8,7 +8,7 @@
 namespace ld {
 namespace {
 
-constexpr uint32_t kOpacitySalt = 0x51ED27U;
+constexpr uint32_t kOpacitySalt = 0x51ED27U, kMixSalt = 0x2F0B4AU;
 
 uint32_t bits_of(float x) {
   uint32_t bits = 0;
@@ -21,8 +21,8 @@ Vec2 blend(const std::vector<Vec2>& uvs, const std::array<uint32_t, 3>& corners,
   return {a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
 }
 
-}  // namespace
-
+/// A number in [0, 1) that a ray and its hit decide, for choices that consume none of the sample's own
+/// numbers (pbrt-v4 decides opacity and mixed materials so).
 float hashed_choice(Vec3 direction, float distance, uint32_t salt) {
   // xxHash's 32-bit rounds over the bits.
   uint32_t h = salt;
@@ -34,6 +34,8 @@ float hashed_choice(Vec3 direction, float distance, uint32_t salt) {
   h = (h ^ (h >> 13)) * 0xC2B2AE3DU;
   return static_cast<float>((h ^ (h >> 16)) >> 8) * 0x1p-24F;
 }
+
+}  // namespace
 
 PreparedScene::PreparedScene(Scene scene) : scene_(std::move(scene)) {
   check();
@@ -177,10 +179,11 @@ void PreparedScene::scale_lights(float factor) {
   for (SkyPatch& patch : scene_.sky->patches) patch.radiance *= factor;
 }
 
-const Material& PreparedScene::material_of(const Surface& surface, float choice) const {
+const Material& PreparedScene::material_of(const Surface& surface, Vec3 to_viewer) const {
   const Material& material =
       scene_.materials[static_cast<size_t>(scene_.objects[static_cast<size_t>(surface.object)].material)];
   if (material.kind != MaterialKind::mixed) return material;
+  const float choice = hashed_choice(to_viewer, surface.distance, kMixSalt);
   const bool second = choice < material.mask->evaluate(surface.texture).x;
   return scene_.materials[static_cast<size_t>(second ? material.second : material.first)];
 }

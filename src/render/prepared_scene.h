@@ -52,9 +52,8 @@ class PreparedScene {
   /// Multiplies the radiance of everything that shines.
   void scale_lights(float factor);
 
-  /// The material at the surface point; of a mixed one, which of its two this sample sees: `choice` in [0,
-  /// 1).
-  const Material& material_of(const Surface& surface, float choice) const;
+  /// The material at the surface point; of a mixed one, which of its two the ray from `to_viewer` sees.
+  const Material& material_of(const Surface& surface, Vec3 to_viewer) const;
 
  private:
   void check() const;
@@ -67,9 +66,5 @@ class PreparedScene {
   std::unique_ptr<RayTracer> tracer_;
   bool has_opacity_ = false;
 };
-
-/// A number in [0, 1) that a ray and its hit decide, for choices that consume none of the sample's own
-/// numbers (pbrt-v4 decides opacity and mixed materials so).
-float hashed_choice(Vec3 direction, float distance, uint32_t salt);
 
 }  // namespace ld
