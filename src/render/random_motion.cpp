@@ -32,7 +32,7 @@ void add_random_motion(Scene& scene, const std::vector<Placed>& models, const Sc
     // So far on the picture, in heights of it; mostly level, as things that stand on a floor move.
     const float shift = log_uniform(random, 0.01F, 0.12F), heading = random.uniform(0, 2 * kPi);
     const float rise = chance(random, 0.3) ? random.uniform(-0.8F, 0.8F) : 0.0F;
-    const float angle = log_uniform(random, 0.05F, 1.2F) * (chance(random, 0.5) ? 1.0F : -1.0F);
+    const float angle = log_uniform(random, 0.04F, 0.8F) * (chance(random, 0.5) ? 1.0F : -1.0F);
     const float u = random.uniform(), v = random.uniform();
     const Vec3 middle = model.bounds.centre();
     const float depth = camera.depth(middle);

@@ -112,9 +112,14 @@ Scene random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame, uin
     build_full(builder, config, indoor, objects);
   }
   scene.camera.focus_distance = random_focus(scene, builder.placed, random);
-  // How far the background blurs, as a share of the picture's height.
-  const float blur = log_uniform(random, 0.008F, 0.05F) * static_cast<float>(height);
-  if (defocus) scene.camera.lens_radius = blur * scene.camera.focus_distance / scene.camera.focal_pixels();
+  // How far the background blurs, as a share of the picture's height; what is very near, not beyond a tenth.
+  const float blur = log_uniform(random, 0.006F, 0.04F) * static_cast<float>(height);
+  if (defocus) {
+    Camera& camera = scene.camera;
+    camera.lens_radius = blur * camera.focus_distance / camera.focal_pixels();
+    const float near = std::abs(camera.circle_of_confusion(0.8F));
+    camera.lens_radius *= std::min(1.0F, 0.1F * static_cast<float>(height) / std::max(near, 1e-6F));
+  }
   if (motion_blur) add_random_motion(scene, builder.placed, config, random);
   if (defocus) scene.name += ", defocus";
   if (motion_blur) scene.name += ", motion blur";

@@ -16,7 +16,7 @@ void add_floor_and_ceiling(SceneBuilder& builder, const std::array<Wall, 6>& wal
 }
 
 void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest) {
-  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.1F, largest}};
+  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.14F, largest}};
   builder.ceiling = 0.9F * height;
 }
 
@@ -65,22 +65,26 @@ void build_living_room(SceneBuilder& builder, int count) {
   }
   add_door(builder, walls[kRight], random.uniform(0.7F, 2 * half.z - 0.7F));
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.15F, 1.5F));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
 
   set_floor_spot(builder, half, height, 0.6F);
   add_rug(builder, {random.uniform(-0.5F, 0.5F), 0, random.uniform(-0.4F, 0.4F)});
-  set_against(builder, walls[kFront], random.uniform(1, 2 * half.x - 1), make_sofa(random), 0.05F);
-  builder.furnish(make_table(random), {random.uniform(-0.5F, 0.5F), 0, random.uniform(-0.2F, 0.3F)},
-                  random.uniform(-0.2F, 0.2F));
+  const float sofa_at = random.uniform(1, 2 * half.x - 1);
+  set_against(builder, walls[kFront], sofa_at, make_sofa(random), 0.05F);
+  const Vec3 middle = {random.uniform(-0.5F, 0.5F), 0, random.uniform(-0.2F, 0.3F)};
+  const float askew = random.uniform(-0.2F, 0.2F);
+  builder.furnish(make_table(random), middle, askew);
   make_spot(builder, 0.05F, 0.2F);
-  set_against(builder, walls[kLeft], random.uniform(0.6F, 2 * half.z - 0.6F),
+  const float shelf_at = random.uniform(0.6F, 2 * half.z - 0.6F);
+  set_against(builder, walls[kLeft], shelf_at,
               chance(random, 0.6) ? make_bookshelf(random) : make_cabinet(random));
   make_spot(builder, 0.06F, 0.18F);
   builder.furnish(make_floor_lamp(random), {0.8F * half.x, 0, -0.75F * half.z}, 0);
   const uint32_t pictures = 1 + random.below(3);
-  for (uint32_t i = 0; i < pictures && builder.count() < count; ++i)
-    hang(builder, walls[kFront], random.uniform(0.7F, 2 * half.x - 0.7F), random.uniform(1.4F, 1.8F),
-         make_picture(random));
+  for (uint32_t i = 0; i < pictures && builder.count() < count; ++i) {
+    const float at = random.uniform(0.7F, 2 * half.x - 0.7F), level = random.uniform(1.4F, 1.8F);
+    hang(builder, walls[kFront], at, level, make_picture(random));
+  }
   if (chance(random, 0.4)) {
     Model sofa = make_sofa(random);
     builder.furnish(std::move(sofa), {-0.6F * half.x, 0, 0.2F * half.z}, 0.5F * kPi);
@@ -112,7 +116,7 @@ void build_kitchen(SceneBuilder& builder, int count) {
   }
   add_door(builder, walls[kFront], random.uniform(0.7F, 2 * half.x - 0.7F));
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.15F, 1.5F));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
   set_floor_spot(builder, half, height, 0.4F);
 
   const int fronts = add_material_of(
@@ -152,7 +156,8 @@ void build_kitchen(SceneBuilder& builder, int count) {
     builder.occupancy.take({{low.x, 0, low.z}, high});
     if (i == kLeft) builder.occupancy.take({{low.x, 1.5F, low.z}, {0.5F * (low.x + high.x), 2.3F, high.z}});
   }
-  builder.furnish(make_table(random), {0.25F * half.x, 0, 0.25F * half.z}, random.uniform(-0.3F, 0.3F));
+  const float askew = random.uniform(-0.3F, 0.3F);
+  builder.furnish(make_table(random), {0.25F * half.x, 0, 0.25F * half.z}, askew);
   make_spot(builder, 0.05F, 0.17F);
   const int seats = 1 + static_cast<int>(random.below(4));
   for (int i = 0; i < seats && builder.count() < count; ++i) {
@@ -222,9 +227,9 @@ void build_attic(SceneBuilder& builder, int) {
   append(collars, make_block({0, ridge - 0.08F, 0}, {0.06F, 0.08F, half.z}));
   builder.add(std::move(collars), timber);
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.3F, 2));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
 
-  builder.spots = {{{-0.8F * half.x, 0, -half.z}, {0.8F * half.x, 0, half.z}, 0.1F, 0.45F}};
+  builder.spots = {{{-0.8F * half.x, 0, -half.z}, {0.8F * half.x, 0, half.z}, 0.14F, 0.5F}};
   builder.ceiling = 0.6F * ridge;
   for (const WallIndex i : {kLeft, kRight}) {
     const float s = random.uniform(0.8F, 2 * half.z - 0.8F);
@@ -232,8 +237,8 @@ void build_attic(SceneBuilder& builder, int) {
     set_against(builder, walls[i], s, model, 0.1F);
   }
   const Model rest = chance(random, 0.5) ? make_bed(random) : make_sofa(random);
-  builder.furnish(rest, {random.uniform(-0.3F, 0.3F) * half.x, 0, -0.45F * half.z},
-                  random.uniform(-0.5F, 0.5F));
+  const float aside = random.uniform(-0.3F, 0.3F), askew = random.uniform(-0.5F, 0.5F);
+  builder.furnish(rest, {aside * half.x, 0, -0.45F * half.z}, askew);
   for (int i = 0; i < 2; ++i) {
     const float width = log_uniform(random, 0.15F, 0.4F);
     const float z = random.uniform(-0.7F, 0.7F);
@@ -259,14 +264,14 @@ void build_loft(SceneBuilder& builder, int count) {
     std::vector<Opening> holes;
     if (i == kBack || (corner && i == kRight)) {
       holes.push_back({0.15F, random.uniform(0, 0.4F), walls[i].width - 0.15F, height - 0.3F});
-      add_window_frame(builder, walls[i], holes[0], 3 + static_cast<int>(random.below(6)),
-                       2 + static_cast<int>(random.below(4)));
+      const int columns = 3 + static_cast<int>(random.below(6)), rows = 2 + static_cast<int>(random.below(4));
+      add_window_frame(builder, walls[i], holes[0], columns, rows);
     }
     add_wall(builder, walls[i], holes,
              i == kLeft && chance(random, 0.5) ? add_wall_material(builder, WallKind::wall, -kZ, kY) : paint);
   }
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.3F, 1));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
   set_floor_spot(builder, half, height, 0.9F);
 
   // A gallery across the room's far end, with a rail, on posts.
@@ -290,15 +295,17 @@ void build_loft(SceneBuilder& builder, int count) {
   const int steel = add_material_of(builder, {make_sphere(1), Stuff::metal, true});
   builder.add(std::move(rail), steel);
   builder.add(std::move(posts), steel);
+  const float askew = random.uniform(0, 0.4F);
   builder.furnish(chance(random, 0.5) ? make_spiral_stairs(random) : make_stairs(random),
-                  {0.7F * half.x, 0, edge - 1.6F}, random.uniform(0, 0.4F));
+                  {0.7F * half.x, 0, edge - 1.6F}, askew);
 
   add_rug(builder, {-0.2F * half.x, 0, -0.2F * half.z});
-  set_against(builder, walls[kLeft], random.uniform(1.2F, 2 * half.z - 1.2F), make_sofa(random), 0.05F);
+  const float sofa_at = random.uniform(1.2F, 2 * half.z - 1.2F);
+  set_against(builder, walls[kLeft], sofa_at, make_sofa(random), 0.05F);
   for (int i = 0; i < 3 && builder.count() < count; ++i) {
-    const float x = random.uniform(-0.6F, 0.4F), z = random.uniform(-0.6F, 0.2F);
-    builder.furnish(i == 0 ? make_table(random) : make_chair(random), {x * half.x, 0, z * half.z},
-                    random.uniform(0, 2 * kPi));
+    const float x = random.uniform(-0.6F, 0.4F), z = random.uniform(-0.6F, 0.2F),
+                turn = random.uniform(0, 2 * kPi);
+    builder.furnish(i == 0 ? make_table(random) : make_chair(random), {x * half.x, 0, z * half.z}, turn);
     if (i == 0) make_spot(builder, 0.06F, 0.25F);
   }
   add_ceiling_lights(builder, half, height, 2 + random.below(3));

@@ -11,7 +11,7 @@ namespace {
 constexpr Vec3 kX = {1, 0, 0}, kY = {0, 1, 0}, kZ = {0, 0, 1};
 
 void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest) {
-  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.1F, largest}};
+  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.14F, largest}};
   builder.ceiling = 0.9F * height;
 }
 
@@ -38,7 +38,7 @@ void build_office(SceneBuilder& builder, int count) {
   for (const WallIndex i : {kFront, kLeft, kRight}) add_wall(builder, walls[i], {}, paint);
   add_door(builder, walls[kFront], random.uniform(0.7F, 2 * half.x - 0.7F));
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.1F, 1));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
   set_floor_spot(builder, half, height, 0.5F);
 
   // Rows of desks, all of one make.
@@ -54,17 +54,18 @@ void build_office(SceneBuilder& builder, int count) {
       builder.furnish(make_table(same), {x, 0, z}, turn);
       make_spot(builder, 0.04F, 0.15F);
       const float top = builder.placed.back().bounds.high.y;
-      builder.furnish(make_monitor(random), {x, top, z - (turn == 0 ? 0.1F : -0.1F)},
-                      turn + random.uniform(-0.3F, 0.3F));
+      const float screen_turn = turn + random.uniform(-0.3F, 0.3F),
+                  chair_turn = turn + kPi + random.uniform(-0.6F, 0.6F), lamp_turn = random.uniform(0, 6);
+      builder.furnish(make_monitor(random), {x, top, z - (turn == 0 ? 0.1F : -0.1F)}, screen_turn);
       if (chance(random, 0.8))
-        builder.furnish(make_chair(random), {x, 0, z + (turn == 0 ? 0.75F : -0.75F)},
-                        turn + kPi + random.uniform(-0.6F, 0.6F));
-      if (chance(random, 0.4))
-        builder.furnish(make_desk_lamp(random), {x + 0.3F, top, z}, random.uniform(0, 6));
+        builder.furnish(make_chair(random), {x, 0, z + (turn == 0 ? 0.75F : -0.75F)}, chair_turn);
+      if (chance(random, 0.4)) builder.furnish(make_desk_lamp(random), {x + 0.3F, top, z}, lamp_turn);
     }
-  set_against(builder, walls[kLeft], random.uniform(0.8F, 2 * half.z - 0.8F), make_cabinet(random));
+  const float cabinet_at = random.uniform(0.8F, 2 * half.z - 0.8F),
+              shelf_at = random.uniform(0.8F, 2 * half.z - 0.8F);
+  set_against(builder, walls[kLeft], cabinet_at, make_cabinet(random));
   make_spot(builder, 0.06F, 0.18F);
-  set_against(builder, walls[kRight], random.uniform(0.8F, 2 * half.z - 0.8F), make_bookshelf(random));
+  set_against(builder, walls[kRight], shelf_at, make_bookshelf(random));
   for (int i = 0; i < 4; ++i) {  // panels in the ceiling; some are out
     const float x = i % 2 == 0 ? -0.5F : 0.5F, z = i < 2 ? -0.5F : 0.5F;
     if (chance(random, 0.2)) continue;
@@ -97,7 +98,7 @@ void build_gallery(SceneBuilder& builder, int count) {
     add_wall(builder, walls[i], {},
              chance(random, 0.25) ? add_wall_material(builder, WallKind::wall, walls[i].along, kY) : paint);
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.15F, 1));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
   set_floor_spot(builder, half, height, 0.8F);
 
   for (const WallIndex i : {kBack, kFront, kLeft, kRight}) {  // pictures, larger than at home
@@ -171,7 +172,7 @@ void build_corridor(SceneBuilder& builder, int count) {
   add_wall(builder, walls[kRight], side, paint);
   add_wall(builder, walls[kLeft], {}, paint);
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.15F, 1));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
   set_floor_spot(builder, half, height, 0.35F);
 
   Mesh pipes, arches;
@@ -190,14 +191,14 @@ void build_corridor(SceneBuilder& builder, int count) {
     builder.add(std::move(arches),
                 add_material_of(builder, {make_block({}, grey(0.4F)), Stuff::stone, true}));
   }
-  set_against(builder, walls[kLeft], random.uniform(1, 2 * half.z - 1),
-              chance(random, 0.5) ? make_radiator(random) : make_cabinet(random));
+  const float at = random.uniform(1, 2 * half.z - 1);
+  set_against(builder, walls[kLeft], at, chance(random, 0.5) ? make_radiator(random) : make_cabinet(random));
   make_spot(builder, 0.06F, 0.18F);
   const uint32_t lights = 2 + random.below(3);
   for (uint32_t i = 0; i < lights; ++i) {
     const float z = half.z * (2 * (static_cast<float>(i) + 0.5F) / static_cast<float>(lights) - 1);
-    add_area_light(builder, {0, height - 0.03F, z}, {0, -1, 0}, random.uniform(0.2F, 0.4F),
-                   random.uniform(0.2F, 1.2F), 0.3F * half.x, false);
+    const float width = random.uniform(0.2F, 0.4F), depth = random.uniform(0.2F, 1.2F);
+    add_area_light(builder, {0, height - 0.03F, z}, {0, -1, 0}, width, depth, 0.3F * half.x, false);
   }
   if (chance(random, 0.4))
     add_point_light(builder, {0, 1.8F, random.uniform(-0.5F, 0.5F) * half.z}, {0, -1, 0}, 0.25F);
@@ -229,7 +230,7 @@ void build_warehouse(SceneBuilder& builder, int count) {
     add_wall(builder, walls[i], holes, paint);
   }
   add_environment(builder, false);
-  scale_environment(builder.scene, log_uniform(random, 0.3F, 1.5F));
+  scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
   builder.spots = {{{-0.8F * half.x, 0, -0.8F * half.z}, {0.8F * half.x, 0, 0.8F * half.z}, 0.25F, 1.2F}};
   builder.ceiling = 0.7F * height;
 
