@@ -1,5 +1,5 @@
 // What a frame, image, data set, config, weight file, checkpoint or run is, and what is wrong with it:
-// `ld_inspect PATH [--verify] [--json FILE]`.
+// `ld_inspect PATH [--verify] [--frames N] [--json FILE]`.
 
 #include <iostream>
 #include <string>
@@ -19,6 +19,10 @@ int main(int argc, char** argv) {
           "frame or image (.exr), weights (.safetensors), config (.yaml), data set, checkpoint or run")
       ->required();
   app.options().add_flag("--verify", options.verify, "compare the checksums of all files of a data set");
+  app.options()
+      .add_option("--frames", options.frames,
+                  "of a data set, examine the samples of so many frames only, spread over it (default: all)")
+      ->check(CLI::PositiveNumber);
   return app.run(argc, argv, [&] {
     options.threads = app.threads();
     const ld::Report report = ld::inspect(path, options);

@@ -1,6 +1,7 @@
 // What a path is and what is wrong with it: the library behind ld_inspect.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "apps/inspect/report.h"
@@ -9,6 +10,7 @@ namespace ld {
 
 struct InspectOptions {
   bool verify = false;  // compare all checksums of a data set, which reads every byte of it
+  int64_t frames = 0;   // of a data set to read, spread over it; 0: all. Headers are read of all frames
   int threads = 1;
 };
 

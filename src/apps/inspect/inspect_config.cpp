@@ -54,7 +54,8 @@ void inspect_config(Report& report) {
           report.path);
     report.kind = "training config";
     const auto config = config_from_tree<TrainConfig>(root);
-    for (const std::string& feature : config.network.features) find_feature(feature);
+    if (!config.network.auto_features())
+      for (const std::string& feature : config.network.features) find_feature(feature);
     report.facts["network"] = config.network.name;
     report.facts["features"] = config.network.features;
     report.facts["loss"] = config.loss;

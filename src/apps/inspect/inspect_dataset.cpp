@@ -4,6 +4,7 @@
 #include "apps/inspect/inspect.h"
 #include "core/error.h"
 #include "core/threads.h"
+#include "doctor/doctor.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
 
@@ -81,6 +82,12 @@ void inspect_dataset(Report& report, const InspectOptions& options) {
     report.facts["seed"] = manifest.seed;
     report.facts["recipe"] = manifest.recipe.empty() ? "none: frames from elsewhere" : "kept in the manifest";
     add_findings(report, manifest, findings);
+    // Frames that are missing or cut short have been named; the doctor reads the others.
+    Manifest sound = manifest;
+    sound.frames.clear();
+    for (size_t i = 0; i < findings.size(); ++i)
+      if (findings[i].problem.empty()) sound.frames.push_back(manifest.frames[i]);
+    if (!sound.frames.empty()) report.add(examine_dataset(folder, sound, {options.threads, options.frames}));
 
     const auto without =
         std::count_if(manifest.frames.begin(), manifest.frames.end(), [](const ManifestFrame& frame) {

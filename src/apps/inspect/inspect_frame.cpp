@@ -2,6 +2,7 @@
 
 #include "apps/inspect/inspect.h"
 #include "core/error.h"
+#include "doctor/doctor.h"
 #include "frame/frame_file.h"
 
 namespace ld {
@@ -40,30 +41,18 @@ void inspect_image(Report& report) {
   });
 }
 
-void inspect_samples(Report& report, const FrameHeader& header) {
+void inspect_samples(Report& report) {
   report.attempt([&] {
-    Faults faults;
-    const Frame frame = read_frame(report.path, header.features, faults);
-    const auto samples = static_cast<int64_t>(frame.valid.size());
-    const auto masked = static_cast<int64_t>(std::count(frame.valid.begin(), frame.valid.end(), uint8_t{0}));
+    const Evidence evidence = read_evidence(report.path);
+    const Frame& frame = evidence.frame;
     report.facts["mean_radiance"] = mean_of(mean_radiance(frame));
     report.facts["depth_scale"] = frame.info.depth_scale;
-    report.facts["samples"] = samples;
-    report.facts["masked_samples"] = masked;
-    report.facts["negative_channels"] = faults.negative;
-    report.facts["clamped_channels"] = faults.clamped;
-    if (masked > 0)
-      report.warnings.push_back(
-          fmt::format("{} of {} samples hold NaN or infinity, or were never drawn; they are masked out",
-                      masked, samples));
-    if (faults.negative > 0)
-      report.warnings.push_back(
-          fmt::format("{} radiance channels are negative; they are read as 0", faults.negative));
-    if (faults.clamped > 0)
-      report.warnings.push_back(fmt::format(
-          "{} radiance channels were clamped to 65504 when the file was written", faults.clamped));
-    if (masked == samples)
-      report.problems.push_back("every sample is masked out: there is nothing to denoise; render it again");
+    report.facts["samples"] = frame.valid.size();
+    report.facts["masked_samples"] = std::count(frame.valid.begin(), frame.valid.end(), uint8_t{0});
+    report.facts["negative_channels"] = evidence.faults.negative;
+    report.facts["clamped_channels"] = evidence.faults.clamped;
+    report.facts["reference"] = evidence.reference ? "beside it" : "none beside it";
+    report.add(examine_frame(evidence));
   });
 }
 
@@ -92,7 +81,7 @@ void inspect_exr(Report& report) {
     report.warnings.push_back(
         "features are missing; only models that do without them can denoise this frame");
   add_info(report, header.info);
-  inspect_samples(report, header);
+  inspect_samples(report);
 }
 
 }  // namespace ld

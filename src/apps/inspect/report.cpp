@@ -44,6 +44,15 @@ void Report::attempt(const std::function<void()>& part) {
   }
 }
 
+void Report::add(const Diagnosis& diagnosis) {
+  for (const auto& [key, value] : diagnosis.facts.items()) facts[key] = value;
+  for (const Finding& finding : diagnosis.findings) {
+    (finding.severity == Severity::problem ? problems : warnings)
+        .push_back(finding.check + ": " + finding.text);
+    findings.push_back(finding);
+  }
+}
+
 std::string report_text(const Report& report) {
   std::string text = report.path + ": " + (report.kind.empty() ? "not recognised" : report.kind) + "\n";
   add_facts(text, report.facts, "  ");
@@ -54,11 +63,16 @@ std::string report_text(const Report& report) {
 }
 
 Json report_json(const Report& report) {
-  return {{"path", report.path},
-          {"kind", report.kind.empty() ? Json() : Json(report.kind)},
-          {"facts", report.facts},
-          {"warnings", report.warnings},
-          {"problems", report.problems}};
+  Json findings = Json::array();
+  for (const Finding& finding : report.findings)
+    findings.push_back({{"severity", severity_name(finding.severity)},
+                        {"check", finding.check},
+                        {"text", finding.text},
+                        {"frames", finding.frames},
+                        {"figures", finding.figures}});
+  return {{"path", report.path},         {"kind", report.kind.empty() ? Json() : Json(report.kind)},
+          {"facts", report.facts},       {"warnings", report.warnings},
+          {"problems", report.problems}, {"findings", findings}};
 }
 
 }  // namespace ld
