@@ -1,5 +1,7 @@
 #include "frame/exr_raw_header.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "frame/exr_check.h"
 
@@ -13,6 +15,16 @@ constexpr uint64_t kMaxNameBytes = 255;
 constexpr uint64_t kMaxParsedAttribute = uint64_t{1}
                                          << 20;  // of those read here; a channel takes about 20 bytes
 
+/// Names stand in complaints, which are one line of text.
+void check_printable(const ExrBytes& file, const std::string& text) {
+  const bool control = std::any_of(text.begin(), text.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) == 127;
+  });
+  if (control)
+    fail("{}: a name in the header holds control characters; the header is damaged; copy or render it again",
+         file.path());
+}
+
 std::string read_text(ExrBytes& file) {
   std::string text;
   while (const int c = file.number<uint8_t>()) {
@@ -21,6 +33,7 @@ std::string read_text(ExrBytes& file) {
       fail("{}: a name in the header has more than {} bytes; the header is damaged", file.path(),
            kMaxNameBytes);
   }
+  check_printable(file, text);
   return text;
 }
 
@@ -76,6 +89,7 @@ void read_attribute(ExrBytes& file, ExrRawPart& part, const std::string& name, c
     expect(type == "string" && bytes <= kMaxNameBytes);
     std::string value(bytes, '\0');
     file.read(value.data(), bytes, "within its header");
+    check_printable(file, value);
     (name == "name" ? part.name : part.type) = value;
   } else if (type == "preview") {
     expect(bytes >= 8);

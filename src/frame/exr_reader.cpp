@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "frame/exr_check.h"
+#include "frame/schema.h"
 
 namespace ld {
 
@@ -23,6 +24,26 @@ ExrReader::ExrReader(const std::filesystem::path& path) : path_(path.string()) {
     throw;
   } catch (const std::exception& error) {
     fail("{}: OpenEXR cannot open it: {}; copy or render it again", path_, error.what());
+  }
+  check_pixels();
+}
+
+void ExrReader::check_pixels() const {
+  // Of the memory that a frame takes: less is no harm, and rendered pictures never shrink a hundred times.
+  constexpr uint64_t kHarmless = uint64_t{32} << 20, kBestRatio = 100;
+  uint64_t memory = 0;
+  for (int part = 0; part < parts(); ++part)
+    memory += uint64_t{kSampleChannels} * sizeof(float) * static_cast<uint64_t>(width(part)) *
+              static_cast<uint64_t>(height(part));
+  if (memory <= kHarmless || memory / kBestRatio < std::filesystem::file_size(path_)) return;
+  for (int part = 0; part < parts(); ++part) {
+    std::vector<float> row(static_cast<size_t>(width(part)));
+    const Imf::ChannelList& channels = header(part).channels();
+    std::vector<ExrPlane> planes;
+    for (auto it = channels.begin(); it != channels.end(); ++it)
+      if (it.channel().type != Imf::UINT && it.channel().xSampling == 1 && it.channel().ySampling == 1)
+        planes.push_back({it.name(), row.data()});
+    if (!planes.empty()) read_rows(part, planes, 0);
   }
 }
 
@@ -69,11 +90,20 @@ void ExrReader::require_channel(int part, const std::string& channel, const std:
 }
 
 void ExrReader::read(int part, const std::vector<ExrPlane>& planes) const {
+  read_rows(part, planes, sizeof(float) * static_cast<size_t>(width(part)));
+}
+
+void ExrReader::read_rows(int part, const std::vector<ExrPlane>& planes, size_t row_bytes) const {
   const Imath::Box2i& window = header(part).dataWindow();
   try {
     Imf::FrameBuffer buffer;
-    for (const ExrPlane& plane : planes)
-      buffer.insert(plane.channel, Imf::Slice::Make(Imf::FLOAT, plane.pixels, window));
+    for (const ExrPlane& plane : planes) {
+      // Not Slice::Make(), which takes a stride of 0 for one that it should compute.
+      char* origin = reinterpret_cast<char*>(plane.pixels) -
+                     static_cast<std::ptrdiff_t>(sizeof(float)) * window.min.x -
+                     static_cast<std::ptrdiff_t>(row_bytes) * window.min.y;
+      buffer.insert(plane.channel, Imf::Slice(Imf::FLOAT, origin, sizeof(float), row_bytes));
+    }
     if (header(part).type() == Imf::TILEDIMAGE) {
       Imf::TiledInputPart input(*file_, part);
       input.setFrameBuffer(buffer);

@@ -41,6 +41,11 @@ class ExrReader {
  private:
   std::string where(int part) const;
 
+  /// Decodes every pixel into one row of memory where the file is so small for what it declares that it is
+  /// likely to lie: whoever reads it next allocates the whole.
+  void check_pixels() const;
+  void read_rows(int part, const std::vector<ExrPlane>& planes, size_t row_bytes) const;
+
   std::string path_;
   std::unique_ptr<Imf::MultiPartInputFile> file_;
 };

@@ -16,7 +16,6 @@
 #include <fstream>
 
 #include "core/file_io.h"
-#include "core/random.h"
 #include "frame/frame_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
@@ -248,29 +247,6 @@ TEST(DamagedExr, DeepDataIsRefused) {
   bytes[5] = static_cast<char>(bytes[5] | 0x08);
   write_file_atomically(folder / "deep.exr", bytes);
   EXPECT_ERROR(read_image(folder / "deep.exr"), "holds deep data");
-}
-
-TEST(DamagedExr, RandomBytesGiveAFrameOrAnError) {
-  const TemporaryFolder folder;
-  write_frame(folder / "frame.exr", random_frame(3, 2, 1));
-  const std::string bytes = read_file(folder / "frame.exr");
-  int errors = 0;
-  for (uint32_t trial = 0; trial < 1500; ++trial) {
-    RandomStream random(7, RandomPurpose::test, trial);
-    std::string changed = bytes;
-    for (uint32_t flips = 1 + random.below(4); flips > 0; --flips)
-      changed[random.below(static_cast<uint32_t>(bytes.size()))] = static_cast<char>(random.bits());
-    std::ofstream(folder / "fuzz.exr", std::ios::binary) << changed;
-    SCOPED_TRACE("trial " + std::to_string(trial));
-    try {
-      const Frame frame = read_required(folder / "fuzz.exr", {"time"});
-      EXPECT_LE(frame.samples.size(), size_t{kSampleChannels} * 4096);
-    } catch (const Error& error) {
-      ++errors;
-      EXPECT_NE(std::string(error.what()).find("fuzz.exr"), std::string::npos) << error.what();
-    }
-  }
-  EXPECT_GT(errors, 300);
 }
 
 }  // namespace
