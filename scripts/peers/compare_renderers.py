@@ -22,6 +22,7 @@ import dataset
 from comparison import exr, scenes, with_cycles, with_mitsuba, with_ours
 
 SCENES = {"cornell": scenes.cornell, "probe": scenes.probe_lit}
+EXPOSURE = {"cornell": 2.0, "probe": 1.0}  # of the pictures to look at
 NAMES = {"ours": "ld_render", "mitsuba": "Mitsuba 3", "cycles": "Cycles"}
 
 
@@ -31,7 +32,7 @@ def parse():
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--size", type=int, default=160, help="height of the pictures in pixels (default 160)")
     parser.add_argument("--spp", type=int, default=1024,
-                        help="of ld_render and Cycles, whose samples are spread evenly (default 1024); Mitsuba takes twice as many")
+                        help="of ld_render and Cycles (default 1024); the Cornell box takes twice as many, and Mitsuba, too")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--limit", type=float, default=2.0, help="per cent (default 2)")
     parser.add_argument("--images", type=Path, help="folder for renderers_SCENE.png: ld_render, Mitsuba 3, Cycles")
@@ -91,7 +92,7 @@ def compare(options):
     for name in options.scenes:
         scene, pictures = SCENES[name](options.size), {}
         for renderer in NAMES:
-            spp = options.spp * (2 if renderer == "mitsuba" else 1)
+            spp = options.spp * scene["samples"] * (2 if renderer == "mitsuba" else 1)
             path = options.out / f"{name}_{renderer}_{options.size}_{spp}.exr"
             if not (options.reuse and path.exists()):
                 exr.write(path, render(renderer, scene, options, spp))
@@ -104,7 +105,7 @@ def compare(options):
                   f"{ratio}", flush=True)
             worst = max(worst, found if a == "ours" else 0.0)
         if options.images:
-            write_png(options.images / f"renderers_{name}.png", list(pictures.values()), 1.0)
+            write_png(options.images / f"renderers_{name}.png", list(pictures.values()), EXPOSURE[name])
     print(f"compare_renderers: ld_render differs by at most {worst:.3f} %, allowed {options.limit} %")
     return 0 if worst <= options.limit else 1
 

@@ -1,9 +1,10 @@
 """The scenes that are rendered by several renderers, described once.
 
 A scene is a dictionary: name, camera {camera_to_world, fov_y, width, height}, max_bounces (scatterings between camera and light),
-materials {name: {kind, colour, roughness, eta, k, ior, emission}}, meshes [{positions, normals, triangles, material}], points
-[{position, intensity}], probe (array [height, width, 3] or None; row 0 is +y, the middle column -z). Right-handed, y up, linear RGB
-radiance. Roughness is the square root of GGX's alpha. Light leaves the front of a surface only.
+samples (a factor on the number that is asked for), materials {name: {kind, colour, roughness, eta, k, ior, emission}}, meshes
+[{positions, normals, triangles, material}], points [{position, intensity}], probe (array [height, width, 3] or None; row 0 is +y, the
+middle column -z). Right-handed, y up, linear RGB radiance. Roughness is the square root of GGX's alpha. Light leaves the front of a
+surface only.
 """
 import math
 
@@ -71,7 +72,7 @@ def cornell(size):
               quad((1, -1, -1), (0, 0, 2), (0, 2, 0), "green"), quad((-0.25, 0.99, -0.2), (0.5, 0, 0), (0, 0, 0.4), "light"),
               box((0.33, -0.7, 0.35), (0.3, 0.3, 0.3), -0.3, "white"), box((-0.35, -0.4, -0.3), (0.3, 0.6, 0.3), 0.35, "white")]
     return {"name": "cornell", "camera": camera((0, 0, 3.9), (0, 0, 0), math.radians(39.3), size, size), "max_bounces": 6,
-            "materials": materials, "meshes": meshes, "points": [], "probe": None}
+            "samples": 2, "materials": materials, "meshes": meshes, "points": [], "probe": None}
 
 
 def sky_picture(height=512):
@@ -100,5 +101,5 @@ def probe_lit(size):
               sphere((-0.4, 0.6, -0.5), 0.6, "gold"), sphere((0.9, 0.6, -0.3), 0.6, "glass"),
               sphere((2.1, 0.6, 0.1), 0.6, "frosted"), box((0.2, 0.25, 0.9), (0.25, 0.25, 0.25), 0.5, "clay")]
     return {"name": "probe", "camera": camera((0.6, 1.7, 5.2), (0.25, 0.55, 0), math.radians(36), size * 3 // 2, size), "max_bounces": 8,
-            "materials": materials, "meshes": meshes, "points": [{"position": (-2.5, 2.2, -2.0), "intensity": (6, 7, 9)}],
+            "samples": 1, "materials": materials, "meshes": meshes, "points": [{"position": (-2.5, 2.2, -2.0), "intensity": (6, 7, 9)}],
             "probe": sky_picture()}
