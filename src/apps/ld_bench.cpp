@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "apps/app.h"
+#include "benchmark/loader.h"
 #include "benchmark/network_sweeps.h"
 #include "benchmark/render_speed.h"
 #include "benchmark/report.h"
@@ -22,6 +23,7 @@ struct Options {
   std::vector<int64_t> spp = {1, 2, 4, 8, 16, 32, 64};
   std::string out;
   std::vector<std::string> files;
+  ld::LoaderBench loader;
 };
 
 /// Pictures of 32x32 with 2 samples and one run each: whether everything works, not how fast.
@@ -80,8 +82,22 @@ void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
 }
 
 struct Commands {
-  CLI::App *ops, *network, *render, *config;
+  CLI::App *ops, *network, *render, *loader, *config;
 };
+
+void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
+  command.fallthrough();
+  command.add_option("--data", loader.data, "data set")->required();
+  command.add_option("--training", loader.training, "config that is trained on it")->capture_default_str();
+  command.add_option("--network", loader.network, "config whose training step a batch is compared with")
+      ->capture_default_str();
+  command.add_option("--crop", loader.crop, "side of the crops, pixels")->capture_default_str();
+  command.add_option("--batch", loader.batch, "crops a step")->capture_default_str();
+  command.add_option("--workers", loader.workers, "threads that prepare batches")->capture_default_str();
+  command.add_option("--epochs", loader.epochs, "of each measurement")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
+}
 
 Commands declare(CLI::App& app, Options& options) {
   Commands commands;
@@ -89,6 +105,8 @@ Commands declare(CLI::App& app, Options& options) {
   commands.network =
       app.add_subcommand("network", "whole networks; then cost, time by stage and time by number of samples");
   commands.render = app.add_subcommand("render", "the path tracer against Embree alone on the same rays");
+  commands.loader = app.add_subcommand("loader", "crops from a data set, and the making of their cache");
+  declare_loader(*commands.loader, options.loader);
   commands.config = app.add_subcommand("config", "what the networks of training configurations cost");
   commands.config->add_option("files", options.files, "YAML configurations")->required();
   for (CLI::App* command : {commands.ops, commands.network, commands.render, commands.config}) {
@@ -134,7 +152,8 @@ nlohmann::ordered_json run_configs(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  ld::Application app("ld_bench", "Times operators, networks and the renderer against named baselines.");
+  ld::Application app("ld_bench",
+                      "Times operators, networks, the renderer and the loader against named baselines.");
   const Commands commands = declare(app.options(), options);
 
   return app.run(argc, argv, [&] {
@@ -148,6 +167,9 @@ int main(int argc, char** argv) {
       if (options.only.empty()) run_sweeps(options, json);
     } else if (commands.render->parsed()) {
       json = run_rendering(options, app.threads());
+    } else if (commands.loader->parsed()) {
+      json = ld::bench_loader(options.loader);
+      std::cout << ld::markdown_loader(json);
     } else {
       json = run_configs(options);
     }

@@ -31,6 +31,10 @@ double status_mb(const std::string& key) {
 
 }  // namespace
 
+double resident_memory_mb() {
+  return status_mb("VmRSS");
+}
+
 double peak_memory_mb(const std::function<void()>& work) {
   release_memory_pool();
   malloc_trim(0);

@@ -25,14 +25,18 @@ class PixelMap {
     step_y_ = place(a, 0, 1) - origin_;
   }
 
-  /// Writes `count` pixels that follow (x, y) to the right.
-  void put(const float* row, int count, int x, int y, float* plane) const {
+  /// Writes a rectangle of pixels, whose first is (x, y), from rows that are kTileSide apart: along the rows
+  /// of the result, since `plane` is far larger than the tile.
+  void put(const float* tile, int columns, int rows, int x, int y, float* plane) const {
     float* out = plane + origin_ + (x - x0_) * step_x_ + (y - y0_) * step_y_;
-    if (step_x_ == 1) {
-      std::copy_n(row, count, out);
-    } else {
-      for (int i = 0; i < count; ++i, out += step_x_) *out = row[i];
-    }
+    if (step_x_ == 1)
+      for (int j = 0; j < rows; ++j) std::copy_n(tile + j * kTileSide, columns, out + j * step_y_);
+    else if (step_x_ == -1)
+      for (int j = 0; j < rows; ++j) copy_reversed(tile + j * kTileSide, 1, columns, out + j * step_y_);
+    else if (step_y_ == 1)
+      for (int i = 0; i < columns; ++i) copy_strided(tile + i, kTileSide, rows, out + i * step_x_);
+    else
+      for (int i = 0; i < columns; ++i) copy_reversed(tile + i, kTileSide, rows, out + i * step_x_);
   }
 
  private:
@@ -47,6 +51,13 @@ class PixelMap {
       std::swap(width, height);
     }
     return std::ptrdiff_t{y} * width + x;
+  }
+
+  static void copy_strided(const float* values, int stride, int count, float* out) {
+    for (int i = 0; i < count; ++i) out[i] = values[i * stride];
+  }
+  static void copy_reversed(const float* values, int stride, int count, float* out) {
+    for (int i = 0; i < count; ++i) out[-i] = values[i * stride];
   }
 
   int x0_, y0_;
@@ -164,7 +175,7 @@ class CropReader {
   }
 
   void put(const float* tile, float* plane) const {
-    for (int y = y0_; y < y1_; ++y) map_.put(tile + first_ + (y - y0_) * kTileSide, x1_ - x0_, x0_, y, plane);
+    map_.put(tile + first_, x1_ - x0_, y1_ - y0_, x0_, y0_, plane);
   }
 
   void put_exposed(const float* tile, float* plane) {

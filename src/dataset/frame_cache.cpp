@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -175,10 +176,14 @@ bool FrameCache::write(const std::string& name, const std::string& source, const
 }
 
 void read_ahead(const PackedFrame& frame, const TileRange& range) {
+  constexpr size_t kChunk = size_t{128}
+                            << 10;  // Linux ignores what goes beyond a disk's read-ahead in one call
   for (int y = range.y0; y < range.y1; ++y) {
-    const auto first = static_cast<size_t>(y * frame.tiles_x() + range.x0);
-    const auto count = static_cast<size_t>(range.x1 - range.x0);
-    advise(frame.samples + first * frame.tile_samples(), 2 * count * frame.tile_samples(), MADV_WILLNEED);
+    const auto first = static_cast<size_t>(y * frame.tiles_x() + range.x0) * frame.tile_samples();
+    const auto* row = reinterpret_cast<const char*>(frame.samples + first);
+    const size_t bytes = 2 * static_cast<size_t>(range.x1 - range.x0) * frame.tile_samples();
+    for (size_t at = 0; at < bytes; at += kChunk)
+      advise(row + at, std::min(kChunk, bytes - at), MADV_WILLNEED);
   }
 }
 

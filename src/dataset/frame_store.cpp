@@ -61,7 +61,9 @@ std::shared_ptr<const PackedFrame> FrameStore::get(size_t index) {
 std::shared_ptr<const PackedFrame> FrameStore::get_intact(size_t index,
                                                           const std::shared_ptr<const PackedFrame>& frame,
                                                           const TileRange& range) {
-  if (!cache_ || frame->intact(range)) return frame;
+  if (!cache_) return frame;
+  read_ahead(*frame, range);
+  if (frame->intact(range)) return frame;
   Entry& entry = *entries_[index];
   const std::lock_guard<std::mutex> lock(entry.mutex);
   // Another thread may have made it again meanwhile.

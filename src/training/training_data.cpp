@@ -43,7 +43,7 @@ std::vector<DataSetConfig> data_sets(const DataConfig& config) {
   for (size_t i = 0; i < config.paths.size(); ++i) {
     const std::string& path = config.paths[i].path;
     if (path.empty()) fail_usage("data.paths[{}].path is empty; expected the folder of a data set", i);
-    if (!seen.insert(fs::weakly_canonical(path)).second)
+    if (!seen.insert(fs::weakly_canonical(fs::absolute(path))).second)
       fail_usage("data.paths[{}]: {} stands twice; give it a larger weight instead", i, path);
   }
   return config.paths;
