@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <vector>
 
 #include "core/threads.h"
 
@@ -11,26 +12,39 @@ namespace {
 // Small enough that two threads finish a picture together, large enough that handing out costs nothing.
 constexpr int kTile = 8;
 
-/// Calls shade(x, y, p) for every pixel p = y width + x, tile by tile; false when stopped.
-template <class Shade>
-bool for_each_pixel(const Camera& camera, const RenderSettings& settings, const Shade& shade) {
+struct Tile {
+  int x0, y0, x1, y1;
+  int width() const { return x1 - x0; }
+  int pixels() const { return width() * (y1 - y0); }
+};
+
+/// Calls render(tile) for all tiles; false when stopped. render returns false when it was.
+template <class Render>
+bool for_each_tile(const Camera& camera, const RenderSettings& settings, const Render& render) {
   const int tiles_x = (camera.width + kTile - 1) / kTile, tiles_y = (camera.height + kTile - 1) / kTile;
   std::atomic<bool> stopped{false};
-  parallel_for(int64_t{tiles_x} * tiles_y, settings.threads, [&](int64_t tile) {
-    const int x0 = static_cast<int>(tile % tiles_x) * kTile, y0 = static_cast<int>(tile / tiles_x) * kTile;
-    const int x1 = std::min(x0 + kTile, camera.width), y1 = std::min(y0 + kTile, camera.height);
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) {
-        if (stopped || (settings.stop && settings.stop())) {
-          stopped = true;
-          return;
-        }
-        shade(x, y,
-              static_cast<uint32_t>(y) * static_cast<uint32_t>(camera.width) + static_cast<uint32_t>(x));
-      }
-    if (settings.progress) settings.progress(int64_t{x1 - x0} * (y1 - y0) * settings.spp);
+  parallel_for(int64_t{tiles_x} * tiles_y, settings.threads, [&](int64_t index) {
+    const int x0 = static_cast<int>(index % tiles_x) * kTile, y0 = static_cast<int>(index / tiles_x) * kTile;
+    const Tile tile = {x0, y0, std::min(x0 + kTile, camera.width), std::min(y0 + kTile, camera.height)};
+    if (stopped || !render(tile)) {
+      stopped = true;
+      return;
+    }
+    if (settings.progress) settings.progress(int64_t{tile.pixels()} * settings.spp);
   });
   return !stopped;
+}
+
+/// Calls shade(x, y, p) for the pixels p = y width + x of a tile; false when stopped.
+template <class Shade>
+bool for_each_pixel(const Tile& tile, const Camera& camera, const RenderSettings& settings,
+                    const Shade& shade) {
+  for (int y = tile.y0; y < tile.y1; ++y)
+    for (int x = tile.x0; x < tile.x1; ++x) {
+      if (settings.stop && settings.stop()) return false;
+      shade(x, y, static_cast<uint32_t>(y) * static_cast<uint32_t>(camera.width) + static_cast<uint32_t>(x));
+    }
+  return true;
 }
 
 SampleNumbers input_numbers(const RenderSettings& settings, uint32_t pixel, uint32_t sample) {
@@ -45,13 +59,32 @@ SampleNumbers input_numbers(const RenderSettings& settings, uint32_t pixel, uint
 std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSettings& settings) {
   const Camera& camera = scene.scene().camera;
   Frame frame(camera.width, camera.height, settings.spp);
-  const bool complete = for_each_pixel(camera, settings, [&](int x, int y, uint32_t pixel) {
-    for (int s = 0; s < settings.spp; ++s) {
-      SampleNumbers numbers = input_numbers(settings, pixel, static_cast<uint32_t>(s));
-      const CameraSample where = draw_camera_sample(camera, x, y, numbers);
-      const auto values = trace_sample(scene, where, numbers, settings.path);
-      for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[pixel] = values[static_cast<size_t>(c)];
-    }
+  const bool complete = for_each_tile(camera, settings, [&](const Tile& tile) {
+    // A sample has many planes, far apart in memory: they are filled a row of the tile at a time.
+    const auto pixels = static_cast<size_t>(tile.pixels());
+    std::vector<float> values(static_cast<size_t>(settings.spp) * kSampleChannels * pixels);
+    size_t done = 0;
+    const bool whole = for_each_pixel(tile, camera, settings, [&](int x, int y, uint32_t pixel) {
+      for (int s = 0; s < settings.spp; ++s) {
+        SampleNumbers numbers = input_numbers(settings, pixel, static_cast<uint32_t>(s));
+        const CameraSample where = draw_camera_sample(camera, x, y, numbers);
+        const auto sample = trace_sample(scene, where, numbers, settings.path);
+        float* to = &values[static_cast<size_t>(s) * kSampleChannels * pixels + done];
+        for (const float value : sample) {
+          *to = value;
+          to += pixels;
+        }
+      }
+      ++done;
+    });
+    const auto width = static_cast<size_t>(tile.width());
+    for (size_t plane = 0; whole && plane < static_cast<size_t>(settings.spp) * kSampleChannels; ++plane)
+      for (int y = tile.y0; y < tile.y1; ++y)
+        std::copy_n(&values[plane * pixels + static_cast<size_t>(y - tile.y0) * width], width,
+                    &frame.samples[plane * frame.plane_size() +
+                                   static_cast<size_t>(y) * static_cast<size_t>(camera.width) +
+                                   static_cast<size_t>(tile.x0)]);
+    return whole;
   });
   if (!complete) return std::nullopt;
   frame.info.seed = settings.seed;
@@ -65,7 +98,7 @@ std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSett
 std::optional<Image> render_reference(const PreparedScene& scene, const RenderSettings& settings) {
   const Camera& camera = scene.scene().camera;
   Image image(camera.width, camera.height, 3);
-  const bool complete = for_each_pixel(camera, settings, [&](int x, int y, uint32_t pixel) {
+  const auto shade = [&](int x, int y, uint32_t pixel) {
     const uint32_t pixel_seed =
         RandomStream(settings.seed, RandomPurpose::reference, settings.frame, pixel).bits();
     double sum[3] = {0, 0, 0};
@@ -76,7 +109,9 @@ std::optional<Image> render_reference(const PreparedScene& scene, const RenderSe
       for (int c = 0; c < 3; ++c) sum[c] += radiance[c];
     }
     for (int c = 0; c < 3; ++c) image.plane(c)[pixel] = static_cast<float>(sum[c] / settings.spp);
-  });
+  };
+  const bool complete = for_each_tile(
+      camera, settings, [&](const Tile& tile) { return for_each_pixel(tile, camera, settings, shade); });
   if (!complete) return std::nullopt;
   return image;
 }

@@ -129,7 +129,7 @@ void LightSampler::add_powers(const Scene& scene) {
   double sum = 0;
   for (const Kind& kind : kinds) {
     const double own = sum_of(kind);
-    const double factor = own > 0 ? 0.9 / total + 0.1 / (shining * own) : 0;
+    const double factor = own > 0 ? 0.5 / total + 0.5 / (shining * own) : 0;
     for (size_t i = kind.begin; i < kind.end; ++i)
       choice_.push_back(static_cast<float>(sum += factor * static_cast<double>(powers[i])));
   }

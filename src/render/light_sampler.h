@@ -16,10 +16,10 @@ struct LightSample {
   bool delta = false;  // point and parallel lights, which no scattered ray can find
 };
 
-/// All lights of a scene: area lights, every triangle that emits, point and parallel lights, sky or probe. A
-/// light is chosen in proportion to its power: for light from afar, to what a disk receives whose radius is
-/// the distance of the local lights from where the camera looks. A tenth of the choices is shared out evenly
-/// among the kinds of light, so that a bad guess costs no more than that.
+/// All lights of a scene: area lights, every triangle that emits, point and parallel lights, sky or probe.
+/// Half of the choices go by power, with light from afar counted as what a disk receives whose radius is the
+/// distance of the local lights from where the camera looks; the other half is shared out evenly among the
+/// kinds of light, for power says little about a sky that is seen through a window.
 class LightSampler {
  public:
   explicit LightSampler(const Scene& scene);
