@@ -5,11 +5,32 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "render/contact_sheet.h"
 #include "render/dataset_renderer.h"
 
+namespace {
+
+void report_sheet(const ld::SheetReport& report, const std::string& path, const ld::Application& app) {
+  const int64_t rejected = report.drafts - report.scenes;
+  std::string faults;
+  nlohmann::ordered_json counts = nlohmann::ordered_json::object();
+  for (const auto& [fault, count] : report.rejected) {
+    faults += fmt::format("{}{} {}", faults.empty() ? ": " : ", ", count, ld::fault_name(fault));
+    counts[ld::fault_name(fault)] = count;
+  }
+  const double share =
+      100.0 * static_cast<double>(rejected) / static_cast<double>(std::max<int64_t>(1, report.drafts));
+  spdlog::info("{} frames, {} of {} drafts rejected ({:.1f} %{}): {}", report.scenes, rejected, report.drafts,
+               share, faults, path);
+  app.write_json({{"scenes", report.scenes}, {"drafts", report.drafts}, {"rejected", counts}});
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  std::string recipe_path, scene, probe, folder, range;
+  std::string recipe_path, scene, probe, folder, range, preview;
   int64_t views = 0;
+  int columns = 8, preview_spp = 16;
   std::vector<std::string> overrides;
   ld::Application app(
       "ld_render",
@@ -27,9 +48,13 @@ int main(int argc, char** argv) {
           "--views", views,
           "with --scene: so many views, the file's cameras first (default: its cameras, at least one)")
       ->check(CLI::Range(int64_t{1}, int64_t{1000000}));
-  app.options().add_option("--out", folder, "folder of the data set")->required();
+  app.options().add_option("--out", folder, "folder of the data set");
   app.options().add_option("--frames", range,
                            "A:B renders frames A to B - 1 of the recipe only (default: all)");
+  app.options().add_option("--preview", preview,
+                           "PNG to write instead: a contact sheet of the recipe's random scenes");
+  app.options().add_option("--columns", columns, "of the contact sheet")->check(CLI::Range(1, 1000));
+  app.options().add_option("--preview-spp", preview_spp, "paths a pixel of it")->check(CLI::Range(1, 65536));
   app.options().add_option(
       "overrides", overrides,
       "key.sub=value, on top of the recipe: spp=8 reference_spp.train=4096 resolution=[512,512]; "
@@ -44,6 +69,13 @@ int main(int argc, char** argv) {
     const ld::Recipe recipe = scene.empty() ? ld::read_recipe(recipe_path, overrides, app.seed())
                                             : ld::scene_recipe(scene, probe, views, overrides, app.seed());
     const auto [begin, end] = ld::parse_frame_range(range, recipe.frame_count());
+    if (folder.empty() == preview.empty())
+      ld::fail_usage("expected --out DIR for a data set, or --preview FILE.png for a contact sheet");
+    if (!preview.empty()) {
+      report_sheet(ld::render_contact_sheet(recipe, begin, end, columns, preview_spp, preview, app.threads()),
+                   preview, app);
+      return;
+    }
 
     const ld::RenderReport report = ld::render_dataset(recipe, folder, begin, end, app.threads());
 

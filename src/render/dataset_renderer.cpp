@@ -126,12 +126,16 @@ class DatasetRenderer {
     return true;
   }
 
-  bool add_halved(const PreparedScene& scene, const RenderSettings& settings, int64_t frame, int64_t stream,
+  bool add_halved(PreparedScene& scene, const RenderSettings& settings, int64_t frame, int64_t stream,
                   std::vector<Frame>& samples) const {
-    Scene halved = scene.scene();
-    halved.camera.width = (halved.camera.width + 1) / 2;
-    halved.camera.height = (halved.camera.height + 1) / 2;
-    return add_samples(PreparedScene(std::move(halved)), settings, frame, stream, samples);
+    const Camera whole = scene.scene().camera;
+    Camera halved = whole;
+    halved.width = (whole.width + 1) / 2;
+    halved.height = (whole.height + 1) / 2;
+    scene.set_camera(halved);
+    const bool complete = add_samples(scene, settings, frame, stream, samples);
+    scene.set_camera(whole);
+    return complete;
   }
 
   void write(int64_t frame, const std::vector<Frame>& samples, const Image& reference) {

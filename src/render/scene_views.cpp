@@ -120,7 +120,7 @@ Camera framing_camera(const Bounds& bounds, int width, int height) {
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   const float half = std::atan(std::tan(0.5F * camera.fov) * std::min(1.0F, aspect));
   const Vec3 towards = normalize({0.47F, 0.36F, 0.81F}), centre = bounds.centre();
-  camera.position = centre + towards * (0.95F * radius_of(bounds) / std::sin(half));
+  camera.position = centre + towards * (radius_of(bounds) / std::sin(half));
   camera.axes = look_at(camera.position, centre, {0, 1, 0});
   return camera;
 }

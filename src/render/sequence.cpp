@@ -46,6 +46,7 @@ Scene sequence_frame(const SequencePlan& plan, int64_t position, float shutter) 
     carry(object.mesh, part_of(way, 0, frame));
     object.motion = part_of(way, frame, shutter);
     object.previous = part_of(way, frame, -1);
+    object.texture = part_of(way, frame, -frame);
   }
   scene.camera = fly(scene.camera, plan.path, position, shutter);
   return scene;

@@ -3,6 +3,8 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/tone_map.h"
 
@@ -10,6 +12,12 @@ namespace ld {
 namespace {
 
 constexpr int kMaxSide = 16384;
+
+/// OpenImageIO's complaints may have several lines.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
 
 std::shared_ptr<const TextureImage> read_open(OIIO::ImageInput& input, const std::string& name,
                                               TextureUse use) {
@@ -21,7 +29,7 @@ std::shared_ptr<const TextureImage> read_open(OIIO::ImageInput& input, const std
   const auto channels = static_cast<size_t>(spec.nchannels);
   std::vector<float> pixels(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) * channels);
   if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
-    fail("{}: cannot read its pixels: {}", name, input.geterror());
+    fail("{}: cannot read its pixels: {}", name, one_line(input.geterror()));
 
   const bool decode =
       use == TextureUse::colour && spec.format.size() <= 2 && !spec.format.is_floating_point();
@@ -68,7 +76,7 @@ Vec3 TextureImage::bilinear(float x, float y, bool clamp_y) const {
 
 std::shared_ptr<const TextureImage> read_texture_image(const std::filesystem::path& path, TextureUse use) {
   const auto input = OIIO::ImageInput::open(path.string());
-  if (!input) fail("{}: cannot read it as a picture: {}", path.string(), OIIO::geterror());
+  if (!input) fail("{}: cannot read it as a picture: {}", path.string(), one_line(OIIO::geterror()));
   return read_open(*input, path.string(), use);
 }
 
@@ -78,7 +86,7 @@ std::shared_ptr<const TextureImage> decode_texture_image(const std::vector<uint8
   // OpenImageIO recognises formats by extension first; PNG and JPEG are what glTF allows.
   const bool png = bytes.size() > 1 && bytes[0] == 0x89 && bytes[1] == 'P';
   const auto input = OIIO::ImageInput::open(png ? "memory.png" : "memory.jpg", nullptr, &memory);
-  if (!input) fail("{}: cannot read it as a PNG or JPEG picture: {}", name, OIIO::geterror());
+  if (!input) fail("{}: cannot read it as a PNG or JPEG picture: {}", name, one_line(OIIO::geterror()));
   return read_open(*input, name, use);
 }
 
