@@ -238,7 +238,7 @@ Material material_for(SceneBuilder& builder, const Part& part, float size) {
     if (part.stuff == Stuff::screen) return screen(builder, size, area);
     Material material = diffuse(plain_texture(grey(0.8F)));
     const float power = log_uniform(random, 0.4F, 2.5F);
-    if (chance(random, 0.7)) material.emission = plain_texture(glow(random, power, area));
+    if (chance(random, 0.6)) material.emission = plain_texture(glow(random, power, area));
     return material;
   }
   if (chance(random, 0.12)) return any_material(builder, size, part.closed);  // surprises
@@ -297,7 +297,8 @@ int add_wall_material(SceneBuilder& builder, WallKind kind, Vec3 along, Vec3 upw
   const auto shades = [&] {
     if (kind == WallKind::floor)
       return chance(random, 0.5) ? near(random, kWoods, 0.3F) : near(random, kStones, 0.3F);
-    if (outside) return chance(random, 0.3) ? near(random, kLeaves, 0.3F) : near(random, kStones, 0.35F);
+    if (outside && chance(random, 0.3)) return near(random, kLeaves, 0.3F);
+    if (outside) return chance(random, 0.4) ? random_colour(random) : near(random, kStones, 0.35F);
     return chance(random, 0.75) ? near(random, kPaints, 0.18F) : random_colour(random);
   };
   const Vec3 a = shades();

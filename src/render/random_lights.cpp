@@ -37,14 +37,14 @@ Weather random_weather(RandomStream& random, bool studio) {
       sky.horizon = {0.65F, 0.8F, 1.0F};
       weather.sun = towards(0.4F + 1.0F * height, turn);
       weather.shines = true;
-      sky.patches.push_back(disk(weather.sun, log_uniform(random, 0.012F, 0.1F), Vec3{4.2F, 3.8F, 3.2F}));
+      sky.patches.push_back(disk(weather.sun, log_uniform(random, 0.012F, 0.1F), Vec3{6.5F, 5.8F, 4.8F}));
       break;
     case 2:  // low sun
       sky.zenith = {0.12F, 0.2F, 0.45F};
       sky.horizon = {1.1F, 0.65F, 0.35F};
       weather.sun = towards(0.12F + 0.35F * height, turn);
       weather.shines = true;
-      sky.patches.push_back(disk(weather.sun, log_uniform(random, 0.02F, 0.08F), Vec3{4.5F, 2.6F, 1.2F}));
+      sky.patches.push_back(disk(weather.sun, log_uniform(random, 0.02F, 0.08F), Vec3{6, 3.6F, 1.7F}));
       break;
     case 3:  // overcast (CIE: the zenith three times as bright as the horizon)
       sky.zenith = {1.5F, 1.55F, 1.65F};
@@ -77,7 +77,7 @@ Weather random_weather(RandomStream& random, bool studio) {
 /// The sky as a picture, with a layer of clouds lit by the sun.
 std::shared_ptr<const TextureImage> cloudy_picture(const Weather& weather, RandomStream& random) {
   constexpr int kWidth = 384, kHeight = 192;
-  const float cover = random.uniform(-0.25F, 0.3F), scale = log_uniform(random, 0.5F, 2.5F);
+  const float cover = random.uniform(-0.3F, 0.15F), scale = log_uniform(random, 0.5F, 2.5F);
   const uint32_t seed = random.bits();
   auto picture = std::make_shared<TextureImage>();
   picture->width = kWidth;

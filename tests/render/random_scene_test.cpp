@@ -257,6 +257,7 @@ class OwnFiles : public ::testing::Test {
     config_ = few_objects();
     config_.meshes = folder_.path().string();
     config_.own_files = 1;
+    config_.indoor = 0;  // a room of so few models holds only its furniture
   }
   TemporaryFolder folder_;
   SceneConfig config_;
