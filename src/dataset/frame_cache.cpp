@@ -1,5 +1,6 @@
 #include "dataset/frame_cache.h"
 
+#include <fcntl.h>
 #include <fmt/ranges.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -103,6 +104,17 @@ void advise(const void* data, size_t bytes, int advice) {
   madvise(reinterpret_cast<void*>(begin), end - begin, advice);
 }
 
+/// Reads the first page of a file, which holds the header, alone: a mapping's first page fault would start a
+/// read-ahead, of 8 MB on some systems.
+void read_head(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;  // opening it again says why
+  posix_fadvise(descriptor, 0, 0, POSIX_FADV_RANDOM);
+  std::array<char, 4096> head;
+  [[maybe_unused]] const ssize_t bytes = read(descriptor, head.data(), head.size());
+  close(descriptor);
+}
+
 /// Files are written beside their place under a name that the process has for itself, not the thread.
 std::mutex& mutex_of(const fs::path& path) {
   static std::array<std::mutex, 16> mutexes;
@@ -132,14 +144,14 @@ std::optional<PackedFrame> FrameCache::open(const std::string& name, const std::
   std::error_code ignored;  // what cannot be looked at counts as missing
   if (!fs::is_regular_file(file_path, ignored)) return std::nullopt;
   try {
+    read_head(file_path);
     const auto file = std::make_shared<const SafetensorsFile>(file_path);
+    for (const TensorView& tensor : file->tensors()) advise(tensor.data, tensor.bytes, MADV_RANDOM);
     if (file->metadata_value("source") != source) {
       spdlog::info("{} has changed since it was cached; it is read again", name);
       return std::nullopt;
     }
-    PackedFrame frame = view_of(file, features_);
-    advise(frame.samples, 2 * frame.tiles() * frame.tile_samples(), MADV_RANDOM);
-    return frame;
+    return view_of(file, features_);
   } catch (const Error& error) {
     spdlog::warn("damaged cache file, made again: {}", error.what());
     return std::nullopt;
@@ -178,12 +190,17 @@ bool FrameCache::write(const std::string& name, const std::string& source, const
 void read_ahead(const PackedFrame& frame, const TileRange& range) {
   constexpr size_t kChunk = size_t{128}
                             << 10;  // Linux ignores what goes beyond a disk's read-ahead in one call
+  const auto read_tiles = [&](const void* tensor, size_t first, size_t tiles, size_t tile_bytes) {
+    const char* data = static_cast<const char*>(tensor) + first * tile_bytes;
+    for (size_t at = 0; at < tiles * tile_bytes; at += kChunk)
+      advise(data + at, std::min(kChunk, tiles * tile_bytes - at), MADV_WILLNEED);
+  };
+  const auto columns = static_cast<size_t>(range.x1 - range.x0);
   for (int y = range.y0; y < range.y1; ++y) {
-    const auto first = static_cast<size_t>(y * frame.tiles_x() + range.x0) * frame.tile_samples();
-    const auto* row = reinterpret_cast<const char*>(frame.samples + first);
-    const size_t bytes = 2 * static_cast<size_t>(range.x1 - range.x0) * frame.tile_samples();
-    for (size_t at = 0; at < bytes; at += kChunk)
-      advise(row + at, std::min(kChunk, bytes - at), MADV_WILLNEED);
+    const auto first = static_cast<size_t>(y * frame.tiles_x() + range.x0);
+    read_tiles(frame.samples, first, columns, 2 * frame.tile_samples());
+    read_tiles(frame.valid, first, columns, frame.tile_valid());
+    read_tiles(frame.reference, first, columns, sizeof(float) * PackedFrame::kTileReference);
   }
 }
 
