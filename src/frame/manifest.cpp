@@ -80,13 +80,6 @@ void check_name(const std::string& name, const std::string& where) {
          where, json(name).dump(-1, ' ', true, json::error_handler_t::replace));
 }
 
-void check_frame(const ManifestFrame& frame, const std::string& where) {
-  check_name(frame.name, where);
-  if (std::find(kSplits.begin(), kSplits.end(), frame.split) == kSplits.end())
-    fail("{}: the split of \"{}\" is \"{}\"; expected one of {}", where, frame.name, frame.split,
-         fmt::join(kSplits, ", "));
-}
-
 Manifest parse_manifest(const fs::path& path) {
   const std::string file = path.string();
   const json root = parse_json(read_file(path), file);
@@ -132,7 +125,7 @@ Manifest parse_manifest(const fs::path& path) {
     if (entry.find("position") != nullptr) frame.position = entry.whole<int64_t>("position");
     frame.checksum = entry.text_or_empty("checksum");
     frame.reference_checksum = entry.text_or_empty("reference_checksum");
-    check_frame(frame, where);
+    check_entry(frame, where);
     if (!names.insert(frame.name).second)
       fail("{}: the name \"{}\" stands twice; remove one", where, frame.name);
     manifest.frames.push_back(std::move(frame));
@@ -179,6 +172,13 @@ void verify_file(const fs::path& path, const std::string& expected) {
 
 }  // namespace
 
+void check_entry(const ManifestFrame& frame, const std::string& where) {
+  check_name(frame.name, where);
+  if (std::find(kSplits.begin(), kSplits.end(), frame.split) == kSplits.end())
+    fail("{}: the split of \"{}\" is \"{}\"; expected one of {}", where, frame.name, frame.split,
+         fmt::join(kSplits, ", "));
+}
+
 fs::path frame_path(const fs::path& folder, const std::string& name) {
   return folder / (name + ".exr");
 }
@@ -200,7 +200,7 @@ Manifest read_manifest(const fs::path& folder) {
 
 void add_to_manifest(const fs::path& folder, const Manifest& addition) {
   const fs::path path = manifest_path(folder);
-  for (const ManifestFrame& frame : addition.frames) check_frame(frame, "cannot add to " + path.string());
+  for (const ManifestFrame& frame : addition.frames) check_entry(frame, "cannot add to " + path.string());
   make_folder(folder);
   const FileLock lock(folder / ".manifest.lock");
   Manifest merged = addition;

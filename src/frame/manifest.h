@@ -27,6 +27,10 @@ struct Manifest {
 std::filesystem::path frame_path(const std::filesystem::path& folder, const std::string& name);
 std::filesystem::path reference_path(const std::filesystem::path& folder, const std::string& name);
 
+/// Throws Error for a name that is none inside the data set's folder, and for an unknown split; `where`
+/// begins the complaint.
+void check_entry(const ManifestFrame& frame, const std::string& where);
+
 /// Throws Error: missing, not JSON, wrong version, missing or ill-typed entry, duplicate or escaping ("..")
 /// names.
 Manifest read_manifest(const std::filesystem::path& folder);

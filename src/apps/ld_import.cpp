@@ -1,0 +1,117 @@
+// Renders of other programs to training frames: `ld_import --preset cycles --camera FILE --reference REF.exr
+// --out DATA
+// --name NAME --split train SAMPLE.exr ...`, or `--frame FRAME.exr` for a frame alone.
+
+#include <fmt/ranges.h>
+
+#include <iostream>
+
+#include "apps/app.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "frame/frame_file.h"
+#include "frame/frame_pair.h"
+#include "import/frame_import.h"
+
+namespace {
+
+struct Options {
+  std::string preset, mapping, camera, reference, frame;
+  std::vector<std::string> assignments, files;
+  ld::DataSetPlace place{{}, "", "train"};
+  bool allow_identical = false, print_mapping = false;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("files", o.files,
+                 "OpenEXR files, one sample a pixel each unless the mapping says otherwise");
+  app.add_option("--preset", o.preset,
+                 fmt::format("who rendered them: {}", fmt::join(ld::preset_names(), ", ")));
+  app.add_option("--mapping", o.mapping, "YAML file instead of a preset, see docs/import.md");
+  app.add_option("--set", o.assignments, "key.sub=value, on top of the preset or mapping; may be repeated")
+      ->take_all()
+      ->expected(1);
+  app.add_flag("--print-mapping", o.print_mapping,
+               "print the preset's YAML, to start one's own from, and stop");
+  app.add_option("--camera", o.camera, "YAML file of the camera, see docs/import.md");
+  app.add_option("--reference", o.reference, "the converged picture, in the same layout");
+  app.add_option("--out", o.place.folder, "folder of the data set to add to");
+  app.add_option("--name", o.place.name, "name of the frame in the data set");
+  app.add_option("--split", o.place.split, "train, validation or test");
+  app.add_option("--sequence", o.place.sequence, "number of the sequence that the frame belongs to");
+  app.add_option("--position", o.place.position, "its position there, from 0");
+  app.add_option("--frame", o.frame, "write the frame alone to this file, without reference and manifest");
+  app.add_flag("--allow-identical", o.allow_identical, "let samples pass that are the same in every pixel");
+}
+
+void check(const Options& o) {
+  if (o.preset.empty() == o.mapping.empty()) ld::fail_usage("expected either --preset or --mapping");
+  if (o.print_mapping && o.preset.empty())
+    ld::fail_usage("--print-mapping prints a preset; name it with --preset");
+  if (o.print_mapping) return;
+  if (o.frame.empty() == o.place.folder.empty())
+    ld::fail_usage("expected either --out for a data set or --frame for a frame alone");
+  if (o.frame.empty() && (o.place.name.empty() || o.reference.empty()))
+    ld::fail_usage("--out needs --name and --reference; a frame without a reference is written with --frame");
+  if (!o.frame.empty() && !o.reference.empty())
+    ld::fail_usage("--frame takes no --reference; a pair belongs into a data set: --out and --name");
+}
+
+void report(const ld::ImportedFrame& imported, const std::string& where) {
+  ld::warn_about_faults(where, imported.faults);
+  for (const std::string& note : imported.notes) spdlog::warn("{}: {}", where, note);
+  if (!imported.repeated.empty())
+    spdlog::warn("{}: {} the same in all samples: networks on samples learn less from it", where,
+                 fmt::join(imported.repeated, ", "));
+  if (imported.counts.above_maximum > 0)
+    spdlog::info("{}: {} colour values above the mapping's maximum set to it", where,
+                 imported.counts.above_maximum);
+  if (imported.counts.beyond_half > 0)
+    spdlog::warn("{}: {} depths beyond 65504 count as escaped; scale them with --set depth.scale=[...]",
+                 where, imported.counts.beyond_half);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  ld::Application app("ld_import", "Turns renders of other programs into training frames.");
+  declare(app.options(), options);
+  return app.run(argc, argv, [&] {
+    check(options);
+    if (options.print_mapping) {
+      std::cout << ld::preset_text(options.preset) << std::flush;
+      return;
+    }
+    const ld::ImportMapping mapping = ld::read_mapping(options.preset, options.mapping, options.assignments);
+    const bool alone = !options.frame.empty();
+    if (!alone) ld::check_place(options.place);
+    std::optional<ld::ViewCamera> camera;
+    if (!options.camera.empty()) camera = ld::read_camera(options.camera);
+
+    const ld::ImportedFrame imported = ld::import_frame({options.files.begin(), options.files.end()}, mapping,
+                                                        camera, options.allow_identical);
+    const ld::Frame& frame = imported.frame;
+    const std::string target = alone ? options.frame : options.place.name;
+    report(imported, target);
+    if (alone)
+      ld::write_frame(options.frame, frame);
+    else
+      ld::add_to_data_set(options.place, frame, ld::import_picture(options.reference, mapping));
+
+    std::vector<std::string> absent;
+    for (const std::string& feature : ld::feature_names())
+      if (!frame.holds(feature)) absent.push_back(feature);
+    spdlog::info("{}: {} x {} pixels, {} samples; holds {}{}; absent {}", target, frame.width, frame.height,
+                 frame.spp, fmt::join(frame.features, ", "), frame.alpha.empty() ? "" : ", alpha",
+                 fmt::join(absent, ", "));
+    app.write_json({{"width", frame.width},
+                    {"height", frame.height},
+                    {"samples", frame.spp},
+                    {"features", frame.features},
+                    {"absent", absent},
+                    {"alpha", !frame.alpha.empty()},
+                    {"masked_samples", imported.faults.not_finite},
+                    {"colours_above_maximum", imported.counts.above_maximum}});
+  });
+}

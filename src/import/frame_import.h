@@ -1,0 +1,52 @@
+// Files of another renderer to a frame of ours, and into a data set.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frame/frame.h"
+#include "import/convert.h"
+#include "import/mapping.h"
+
+namespace ld {
+
+struct ImportedFrame {
+  Frame frame;  // sanitised
+  Faults faults;
+  ConversionCounts counts;
+  std::vector<std::string> repeated;  // features that are the same in all samples (per_sample: false)
+  std::vector<std::string> notes;     // what users should know, a line each
+};
+
+/// The samples of all files, in the order of the files and in each of their numbers. `camera` may be empty;
+/// then the files' attribute worldToCamera serves. Features that the files do not hold are not in the frame.
+/// Throws Error: files of different sizes or windows, features that only some hold, two samples with the same
+/// noise (unless `allow_identical`), and what plan_samples() and Converter say.
+ImportedFrame import_frame(const std::vector<std::filesystem::path>& files, const ImportMapping& mapping,
+                           const std::optional<ViewCamera>& camera, bool allow_identical);
+
+struct ImportedPicture {
+  Image image;  // R, G, B and, where the file has it, A
+  Windows windows;
+};
+
+/// Radiance and alpha of a converged picture.
+ImportedPicture import_picture(const std::filesystem::path& file, const ImportMapping& mapping);
+
+struct DataSetPlace {
+  std::filesystem::path folder;
+  std::string name, split;
+  std::optional<int64_t> sequence = {}, position = {};
+};
+
+/// Throws Error when a folder of this recipe-less kind cannot take frames: it holds rendered ones. Called
+/// before work is done.
+void check_place(const DataSetPlace& place);
+
+/// Writes frame and reference and adds them to the folder's manifest; replaces a frame of this name. Throws
+/// Error when they are not of one size and window or show the same noise.
+void add_to_data_set(const DataSetPlace& place, const Frame& frame, const ImportedPicture& reference);
+
+}  // namespace ld

@@ -1,0 +1,144 @@
+#include "import/source_plan.h"
+
+#include <ImfChannelList.h>
+#include <fmt/ranges.h>
+
+#include <map>
+#include <optional>
+
+#include "core/error.h"
+#include "frame/schema.h"
+#include "import/channel_pattern.h"
+
+namespace ld {
+namespace {
+
+/// Sample number (-1: of all samples) to channel.
+using Found = std::map<int, SourceChannel>;
+
+std::string place(const ExrReader& exr, const SourceChannel& channel) {
+  const std::string part = exr.part_name(channel.part);
+  return part.empty() ? fmt::format("'{}'", channel.name)
+                      : fmt::format("'{}' of part '{}'", channel.name, part);
+}
+
+/// All channels that one alternative of a pattern fits.
+Found find_channels(const ExrReader& exr, const std::string& part_pattern, const std::string& pattern,
+                    const std::string& layer) {
+  Found found;
+  for (int part = 0; part < exr.parts(); ++part) {
+    const std::optional<PatternMatch> in_part =
+        match_pattern(with_layer(part_pattern, layer), exr.part_name(part));
+    if (!in_part) continue;
+    const Imf::ChannelList& channels = exr.header(part).channels();
+    for (auto it = channels.begin(); it != channels.end(); ++it) {
+      std::optional<PatternMatch> fits = match_pattern(pattern, it.name());
+      // Some writers leave the name of the layer to the part.
+      if (!fits && exr.parts() > 1) fits = match_pattern(pattern, exr.part_name(part) + "." + it.name());
+      if (!fits) continue;
+      const SourceChannel channel{part, it.name()};
+      const auto [at, is_new] = found.emplace(std::max(in_part->sample, fits->sample), channel);
+      if (!is_new)
+        fail(
+            "{}: the pattern '{}' fits the channels {} and {}; name one of them: --set layer=NAME, --set "
+            "part=NAME "
+            "or a mapping of your own",
+            exr.path(), pattern, place(exr, at->second), place(exr, channel));
+    }
+  }
+  return found;
+}
+
+/// The first alternative that fits anything.
+Found find_component(const ExrReader& exr, const ImportMapping& mapping, const FeatureMapping& feature,
+                     size_t component) {
+  const std::string& part = feature.part.empty() ? mapping.part : feature.part;
+  for (const std::string& alternative :
+       pattern_alternatives(with_layer(feature.channels[component], mapping.layer))) {
+    Found found = find_channels(exr, part, alternative, mapping.layer);
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
+/// The components of a feature; empty when the file has none of them.
+std::vector<Found> find_feature_channels(const ExrReader& exr, const ImportMapping& mapping,
+                                         const FeatureMapping& feature) {
+  std::vector<Found> components;
+  size_t there = 0;
+  for (size_t c = 0; c < feature.channels.size(); ++c) {
+    components.push_back(find_component(exr, mapping, feature, c));
+    if (!components.back().empty()) ++there;
+  }
+  if (there == 0) return {};
+  for (size_t c = 0; c < components.size(); ++c)
+    if (components[c].empty())
+      fail(
+          "{}: {} needs the channels {}, but nothing fits '{}'; write that channel, or leave the feature out "
+          "with "
+          "--set {}.channels=[]",
+          exr.path(), feature.feature, fmt::join(feature.channels, ", "), feature.channels[c],
+          feature.feature);
+  return components;
+}
+
+/// The feature's channels of one sample.
+SourceFeature of_sample(const ExrReader& exr, const FeatureMapping& feature,
+                        const std::vector<Found>& components, int sample) {
+  SourceFeature result;
+  result.mapping = &feature;
+  for (const Found& component : components) {
+    auto at = component.find(feature.per_sample ? sample : -1);
+    if (at == component.end())
+      fail("{}: no channel '{}' of {} for sample {}; {}", exr.path(),
+           feature.channels[result.channels.size()], feature.feature, sample,
+           sample >= 0 && component.count(-1) > 0 ? "say per_sample: false where one serves all samples"
+                                                  : "every sample must have the same features");
+    exr.require_channel(at->second.part, at->second.name, "");
+    result.channels.push_back(at->second);
+  }
+  return result;
+}
+
+std::vector<Found> radiance_of(const ExrReader& exr, const ImportMapping& mapping) {
+  const FeatureMapping& radiance = mapping.features[0];
+  std::vector<Found> found = find_feature_channels(exr, mapping, radiance);
+  if (found.empty() && !mapping.features[1].channels.empty())
+    found = find_feature_channels(exr, mapping, mapping.features[1]);
+  if (!found.empty()) return found;
+  std::string channels;
+  for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
+    channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
+  fail("{}: no radiance: nothing fits {}; the file has {}; choose another --preset or --mapping", exr.path(),
+       fmt::join(radiance.channels, ", "), channels);
+}
+
+}  // namespace
+
+std::vector<SourceSample> plan_samples(const ExrReader& exr, const ImportMapping& mapping, Wanted wanted) {
+  std::vector<SourceSample> samples;
+  const std::vector<Found> radiance = radiance_of(exr, mapping);
+  // Found first, so that each complaint comes once.
+  std::vector<std::pair<const FeatureMapping*, std::vector<Found>>> found;
+  for (size_t i = 0; i < mapping.features.size(); i += 2)
+    for (const size_t choice : {i, i + 1}) {
+      const FeatureMapping& feature = mapping.features[choice];
+      if (wanted == Wanted::per_sample && !feature.per_sample) continue;
+      if (wanted == Wanted::picture && feature.feature != "radiance") continue;
+      std::vector<Found> components = find_feature_channels(exr, mapping, feature);
+      if (components.empty()) continue;
+      found.emplace_back(&feature, std::move(components));
+      break;
+    }
+  const std::vector<Found> alpha = find_feature_channels(exr, mapping, mapping.alpha);
+  for (const auto& [number, channel] : radiance[0]) {
+    SourceSample sample;
+    for (const auto& [feature, components] : found)
+      sample.features.push_back(of_sample(exr, *feature, components, number));
+    if (!alpha.empty()) sample.alpha = of_sample(exr, mapping.alpha, alpha, number);
+    samples.push_back(std::move(sample));
+  }
+  return samples;
+}
+
+}  // namespace ld

@@ -1,0 +1,39 @@
+// Which channels of a file hold which feature of which sample.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "frame/exr_reader.h"
+#include "import/mapping.h"
+
+namespace ld {
+
+struct SourceChannel {
+  int part = 0;
+  std::string name;
+};
+
+struct SourceFeature {
+  const FeatureMapping* mapping = nullptr;
+  std::vector<SourceChannel> channels;  // a channel for each component
+};
+
+struct SourceSample {
+  std::vector<SourceFeature> features;  // in the order of the schema; radiance is there
+  SourceFeature alpha;                  // without a mapping where there is none
+};
+
+/// What is looked for in a file.
+enum class Wanted {
+  all,
+  per_sample,  // not what serves all samples, which the first file of a frame holds
+  picture,     // radiance and alpha
+};
+
+/// The samples of one file, in the order of their numbers; one where the mapping has no {sample}. Features
+/// that are not there are left out. Throws Error: no radiance, patterns that fit several channels, a feature
+/// of which some components or some samples are missing.
+std::vector<SourceSample> plan_samples(const ExrReader& exr, const ImportMapping& mapping, Wanted wanted);
+
+}  // namespace ld
