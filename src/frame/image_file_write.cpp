@@ -6,6 +6,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <half.h>
 
@@ -23,7 +24,8 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-void write_exr(const fs::path& path, const Image& image, const Windows& windows) {
+/// Writes to `temporary`; complaints name `path`.
+void write_exr(const fs::path& temporary, const fs::path& path, const Image& image, const Windows& windows) {
   std::vector<std::string> channels = {"Y"};
   if (image.channels > 1) channels = {"R", "G", "B"};
   if (image.channels == 4) channels.emplace_back("A");
@@ -39,7 +41,7 @@ void write_exr(const fs::path& path, const Image& image, const Windows& windows)
                   Imf::Slice::Make(Imf::HALF, pixels.data() + c * image.plane_size(), header.dataWindow()));
   }
   try {
-    Imf::OutputFile file(path.c_str(), header);
+    Imf::OutputFile file(temporary.c_str(), header);
     file.setFrameBuffer(buffer);
     file.writePixels(image.height);
   } catch (const std::exception& error) {
@@ -47,7 +49,9 @@ void write_exr(const fs::path& path, const Image& image, const Windows& windows)
   }
 }
 
-void write_png(const fs::path& path, const Image& image) {
+/// The bytes of a PNG file: written by OpenImageIO itself, a file that the disk has no room for would end
+/// early without a complaint. `path` is what complaints name.
+std::string png_bytes(const fs::path& path, const Image& image) {
   std::vector<uint8_t> pixels(image.pixels.size());
   const auto channels = static_cast<size_t>(image.channels);
   for (size_t c = 0; c < channels; ++c)
@@ -59,9 +63,11 @@ void write_png(const fs::path& path, const Image& image) {
   spec.attribute("oiio:ColorSpace", "sRGB");
   const auto output = OIIO::ImageOutput::create("png");
   if (!output) fail("cannot write {}: {}", path.string(), OIIO::geterror());
-  if (!output->open(path.string(), spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) ||
-      !output->close())
-    fail("cannot write {}: {}; is the disk full?", path.string(), output->geterror());
+  OIIO::Filesystem::IOVecOutput memory;
+  if (!output->set_ioproxy(&memory) || !output->open(path.string(), spec) ||
+      !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) || !output->close())
+    fail("cannot write {}: {}", path.string(), output->geterror());
+  return {memory.buffer().begin(), memory.buffer().end()};
 }
 
 }  // namespace
@@ -79,9 +85,10 @@ void write_image(const fs::path& path, const Image& image, const Windows& window
         "pixels a side and "
         "1, 3 or, in EXR, 4 channels",
         path.string(), image.width, image.height, image.channels, image.pixels.size(), kMaxImageSide);
-  write_atomically(path, [&](const fs::path& temporary) {
-    extension == ".exr" ? write_exr(temporary, image, windows) : write_png(temporary, image);
-  });
+  if (extension == ".png")
+    write_file_atomically(path, png_bytes(path, image));
+  else
+    write_atomically(path, [&](const fs::path& temporary) { write_exr(temporary, path, image, windows); });
 }
 
 }  // namespace ld
