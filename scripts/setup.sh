@@ -13,6 +13,7 @@ packages=(
   libopenexr-dev libopenimageio-dev openimageio-tools
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
   libembree-dev libassimp-dev
+  libhdf5-dev                # optional: without it ld_import reads and writes no HDF5
   assimp-testmodels          # scenes that the tests read
   libhwy-dev
   libgtest-dev

@@ -1,6 +1,8 @@
-// Renders of other programs to training frames: `ld_import --preset cycles --camera FILE --reference REF.exr
-// --out DATA
-// --name NAME --split train SAMPLE.exr ...`, or `--frame FRAME.exr` for a frame alone.
+// Renders of other programs to training frames:
+//   ld_import --preset cycles --camera FILE --reference REF.exr --out DATA --name NAME --split train
+//   SAMPLE.exr ... ld_import --preset cycles --camera FILE --frame FRAME.exr SAMPLE.exr ... ld_import
+//   --from-hdf5 SAMPLES.h5 --reference REFERENCES.h5 --out DATA --name NAME --split train ld_import --to-hdf5
+//   SAMPLES.h5 --reference REFERENCES.h5 --out DATA --split train
 
 #include <fmt/ranges.h>
 
@@ -12,6 +14,7 @@
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
 #include "import/frame_import.h"
+#include "import/hdf5_layout.h"
 
 namespace {
 
@@ -19,6 +22,7 @@ struct Options {
   std::string preset, mapping, camera, reference, frame;
   std::vector<std::string> assignments, files;
   ld::DataSetPlace place{{}, "", "train"};
+  std::string from_hdf5, to_hdf5, depth = "linear";
   bool allow_identical = false, print_mapping = false;
 };
 
@@ -41,10 +45,32 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--sequence", o.place.sequence, "number of the sequence that the frame belongs to");
   app.add_option("--position", o.place.position, "its position there, from 0");
   app.add_option("--frame", o.frame, "write the frame alone to this file, without reference and manifest");
+  app.add_option("--from-hdf5", o.from_hdf5,
+                 "add the frames of this HDF5 file of samples, and of --reference, to the data set --out");
+  app.add_option(
+      "--to-hdf5", o.to_hdf5,
+      "write a split of the data set --out to this HDF5 file of samples, and its references to --reference");
+  app.add_option("--hdf5-depth", o.depth,
+                 "what depths of other programs' HDF5 files are: linear, or d / (d + 1)")
+      ->check(CLI::IsMember({"linear", "ratio"}));
   app.add_flag("--allow-identical", o.allow_identical, "let samples pass that are the same in every pixel");
 }
 
+bool is_hdf5(const Options& o) {
+  return !o.from_hdf5.empty() || !o.to_hdf5.empty();
+}
+
 void check(const Options& o) {
+  if (is_hdf5(o)) {
+    if (!o.from_hdf5.empty() && !o.to_hdf5.empty())
+      ld::fail_usage("expected either --from-hdf5 or --to-hdf5");
+    if (o.place.folder.empty() || o.reference.empty() || (o.place.name.empty() && o.to_hdf5.empty()))
+      ld::fail_usage(
+          "HDF5 needs --out, --reference and, to read it, --name, which the names of frames begin with");
+    if (!o.files.empty() || !o.preset.empty() || !o.mapping.empty() || !o.frame.empty())
+      ld::fail_usage("HDF5 files have one layout: no preset, mapping, --frame or other files go with them");
+    return;
+  }
   if (o.preset.empty() == o.mapping.empty()) ld::fail_usage("expected either --preset or --mapping");
   if (o.print_mapping && o.preset.empty())
     ld::fail_usage("--print-mapping prints a preset; name it with --preset");
@@ -55,6 +81,12 @@ void check(const Options& o) {
     ld::fail_usage("--out needs --name and --reference; a frame without a reference is written with --frame");
   if (!o.frame.empty() && !o.reference.empty())
     ld::fail_usage("--frame takes no --reference; a pair belongs into a data set: --out and --name");
+}
+
+ld::Hdf5Report exchange_hdf5(const Options& o) {
+  if (!o.to_hdf5.empty()) return ld::data_set_to_hdf5(o.place.folder, o.place.split, o.to_hdf5, o.reference);
+  return ld::data_set_from_hdf5(o.from_hdf5, o.reference, o.place.folder, o.place.name, o.place.split,
+                                o.depth == "ratio" ? ld::Hdf5Depth::ratio : ld::Hdf5Depth::linear);
 }
 
 void report(const ld::ImportedFrame& imported, const std::string& where) {
@@ -79,6 +111,15 @@ int main(int argc, char** argv) {
   declare(app.options(), options);
   return app.run(argc, argv, [&] {
     check(options);
+    if (is_hdf5(options)) {
+      const ld::Hdf5Report done = exchange_hdf5(options);
+      spdlog::info("{} frames; left out {}; {} samples masked for NaN or infinity", done.frames,
+                   done.left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(done.left_out, ", ")),
+                   done.faulty_samples);
+      app.write_json(
+          {{"frames", done.frames}, {"left_out", done.left_out}, {"masked_samples", done.faulty_samples}});
+      return;
+    }
     if (options.print_mapping) {
       std::cout << ld::preset_text(options.preset) << std::flush;
       return;

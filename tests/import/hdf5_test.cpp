@@ -1,0 +1,200 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/file_io.h"
+#include "frame/frame_file.h"
+#include "frame/frame_pair.h"
+#include "import/frame_import.h"
+#include "import/hdf5_file.h"
+#include "import/hdf5_layout.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/random_frame.h"
+#include "tests/support/temporary_folder.h"
+
+namespace ld {
+namespace {
+
+namespace fs = std::filesystem;
+
+ImportedPicture grey_reference(int width, int height) {
+  ImportedPicture reference{Image(width, height, 3), {}};
+  std::fill(reference.image.pixels.begin(), reference.image.pixels.end(), 0.5F);
+  return reference;
+}
+
+Frame sample_frame(uint32_t seed) {
+  Frame frame = random_frame(8, 6, 2, seed);
+  frame.plane(0, kDepthOffset)[3] = kEscapedDepth;
+  for (int c = 0; c < 3; ++c) frame.plane(0, kNormalOffset + c)[3] = 0;
+  frame.info.depth_scale = 4;
+  return frame;
+}
+
+/// Writes a data set of two frames as HDF5.
+void write_pair(const TemporaryFolder& folder,
+                const std::vector<std::string>& features = mh20_feature_names()) {
+  for (uint32_t i = 0; i < 2; ++i) {
+    Frame frame = sample_frame(i + 1);
+    frame.features = features;
+    if (i == 1) frame.valid_plane(1)[5] = 0;
+    add_to_data_set({folder / "data", "frame_" + std::to_string(i), "train"}, frame, grey_reference(8, 6));
+  }
+  const Hdf5Report report =
+      data_set_to_hdf5(folder / "data", "train", folder / "samples.h5", folder / "references.h5");
+  EXPECT_EQ(report.frames, 2);
+}
+
+Hdf5Report read_pair(const TemporaryFolder& folder, const std::string& into,
+                     Hdf5Depth depth = Hdf5Depth::linear) {
+  return data_set_from_hdf5(folder / "samples.h5", folder / "references.h5", folder / into, "f", "test",
+                            depth);
+}
+
+FramePair read_back(const fs::path& data, size_t index) {
+  return read_frame_pair(data, read_manifest(data).frames[index], {"radiance"});
+}
+
+TEST(Hdf5, ADataSetSurvives) {
+  const TemporaryFolder folder;
+  write_pair(folder);
+  EXPECT_TRUE(read_pair(folder, "back").left_out.empty());
+  ASSERT_EQ(frames_of_split(folder / "back", "test").size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    const FramePair before = read_back(folder / "data", i), after = read_back(folder / "back", i);
+    EXPECT_EQ(after.frame.features, before.frame.features);
+    EXPECT_EQ(after.frame.valid, before.frame.valid);
+    EXPECT_EQ(after.frame.info.depth_scale, 4);
+    EXPECT_EQ(after.reference.pixels, before.reference.pixels);
+    for (int s = 0; s < 2; ++s)
+      for (int c = 0; c < kSampleChannels; ++c)
+        for (size_t p = 0; p < 48; ++p) {
+          const float expected = before.frame.plane(s, c)[p];
+          // Depth goes through d / (d + 4) in half floats.
+          const float tolerance = c == kDepthOffset ? 4e-3F : 1e-3F;
+          if (expected == kEscapedDepth)
+            EXPECT_EQ(after.frame.plane(s, c)[p], kEscapedDepth);
+          else
+            EXPECT_NEAR(after.frame.plane(s, c)[p], expected, tolerance) << "channel " << c << " pixel " << p;
+        }
+  }
+  data_set_to_hdf5(folder / "data", "train", folder / "again.h5", folder / "references.h5");
+  EXPECT_EQ(read_file(folder / "again.h5"), read_file(folder / "samples.h5"));
+}
+
+TEST(Hdf5, HoldsThePublishedLayoutAndUnits) {
+  const TemporaryFolder folder;
+  write_pair(folder);
+  const Hdf5File file = Hdf5File::open(folder / "samples.h5");
+  const Frame frame = read_back(folder / "data", 0).frame;
+  std::vector<float> values;
+  const Hdf5Data motion = file.data("motionvecs", 5);
+  EXPECT_EQ(motion.dimensions, (std::vector<hsize_t>{2, 2, 3, 6, 8}));
+  motion.read_frame(0, values);
+  const int offset = find_feature("motion").offset;
+  // NDC: the picture is 2 wide and 2 high, y up.
+  EXPECT_NEAR(values[7], frame.plane(0, offset)[7] / 4, 1e-3F);
+  EXPECT_NEAR(values[48 + 7], -frame.plane(0, offset + 1)[7] / 3, 1e-3F);
+  EXPECT_NEAR(values[96 + 7], frame.plane(0, offset + 2)[7], 1e-3F);  // the circle of confusion
+  const Hdf5Data depths = file.data("normals_depth", 5);
+  EXPECT_EQ(depths.dimensions[2], 4u);
+  depths.read_frame(0, values);
+  const float depth = frame.plane(0, kDepthOffset)[7];
+  EXPECT_NEAR(values[3 * 48 + 7], depth / (depth + 4), 1e-3F);
+  EXPECT_EQ(values[3 * 48 + 3], 1);  // escaped
+  EXPECT_EQ(file.data("color", 5).dimensions[2], 3u);
+  EXPECT_EQ(file.data("albedo", 5).dimensions[2], 3u);
+  EXPECT_EQ(file.data("specular", 5).dimensions[2], 4u);
+  EXPECT_EQ(file.data("uvt", 5).dimensions[2], 3u);
+  const Hdf5Handle type(H5Dget_type(file.data("color", 5).handle.get()), H5Tclose);
+  EXPECT_EQ(H5Tget_size(type.get()), 2u);
+  EXPECT_EQ(Hdf5File::open(folder / "references.h5").data("color", 4).dimensions,
+            (std::vector<hsize_t>{2, 3, 6, 8}));
+}
+
+TEST(Hdf5, WhatIsMissingIsLeftOut) {
+  const TemporaryFolder folder;
+  write_pair(folder, {"radiance", "normal", "depth", "albedo", "specular"});
+  const Hdf5Report report = read_pair(folder, "back");
+  EXPECT_EQ(report.left_out, (std::vector<std::string>{"specular", "motionvecs", "uvt"}));
+  EXPECT_EQ(read_back(folder / "back", 0).frame.features,
+            (std::vector<std::string>{"radiance", "normal", "depth", "albedo"}));
+}
+
+/// A pair of files as another program would write them: no depth_scale.
+void write_foreign(const TemporaryFolder& folder) {
+  const Hdf5File samples = Hdf5File::create(folder / "samples.h5");
+  std::vector<float> color(3 * 4), normals(4 * 4);
+  for (size_t i = 0; i < color.size(); ++i) color[i] = static_cast<float>(i);
+  for (size_t p = 0; p < 4; ++p) {
+    normals[8 + p] = p == 3 ? 0.0F : 1.0F;
+    normals[12 + p] = p == 3 ? 1.0F : 0.25F;
+  }
+  samples.make("color", {1, 1, 3, 2, 2}).write_frame(0, color);
+  samples.make("normals_depth", {1, 1, 4, 2, 2}).write_frame(0, normals);
+  Hdf5File::create(folder / "references.h5")
+      .make("color", {1, 3, 2, 2})
+      .write_frame(0, std::vector<float>(12, 1));
+}
+
+TEST(Hdf5, DepthsOfOtherPrograms) {
+  const TemporaryFolder folder;
+  write_foreign(folder);
+  read_pair(folder, "linear");
+  const Frame linear = read_back(folder / "linear", 0).frame;
+  EXPECT_EQ(linear.plane(0, kDepthOffset)[0], 0.25F);
+  EXPECT_EQ(linear.plane(0, kDepthOffset)[3], kEscapedDepth);
+  EXPECT_EQ(linear.plane(0, 2)[3], 11);
+  read_pair(folder, "ratio", Hdf5Depth::ratio);
+  const Frame ratio = read_back(folder / "ratio", 0).frame;
+  EXPECT_NEAR(ratio.plane(0, kDepthOffset)[0], 1 / 3.0F, 1e-3F);  // d / (d + 1) = 0.25
+  EXPECT_EQ(ratio.plane(0, kDepthOffset)[3], kEscapedDepth);
+}
+
+TEST(Hdf5, HostileFilesGiveOneError) {
+  const TemporaryFolder folder;
+  EXPECT_ERROR(read_pair(folder, "d"), "samples.h5: no such file");
+  write_foreign(folder);
+  const std::string good = read_file(folder / "samples.h5");
+  write_file_atomically(folder / "samples.h5", good.substr(0, good.size() / 3));
+  EXPECT_ERROR(read_pair(folder, "d"), "no HDF5 file, or a damaged one");
+  write_file_atomically(folder / "samples.h5", "Dear reader");
+  EXPECT_ERROR(read_pair(folder, "d"), "no HDF5 file");
+
+  const auto with_color = [&](const std::vector<hsize_t>& dimensions) {
+    Hdf5File::create(folder / "samples.h5").make("color", dimensions);
+    return error_text([&] { read_pair(folder, "d"); });
+  };
+  EXPECT_NE(
+      with_color({1'000'000, 64, 3, 64, 64}).find("declares [1000000, 64, 3, 64, 64] numbers, but the file"),
+      std::string::npos);
+  EXPECT_NE(with_color({1, 3, 2, 2}).find("4 dimensions; expected 5"), std::string::npos);
+  {
+    const Hdf5File file = Hdf5File::create(folder / "samples.h5");
+    file.make("albedo", {1, 1, 3, 2, 2});
+  }
+  EXPECT_ERROR(read_pair(folder, "d"), "data set 'color' is missing");
+  {
+    const Hdf5File file = Hdf5File::create(folder / "samples.h5");
+    file.make("color", {1, 1, 3, 2, 2}).write_frame(0, std::vector<float>(12, 1));
+    file.make("uvt", {1, 1, 3, 2, 3}).write_frame(0, std::vector<float>(18, 1));
+  }
+  EXPECT_ERROR(read_pair(folder, "d"),
+               "data set 'uvt': of the shape [1, 1, 3, 2, 3]; expected [1, 1, 3, 2, 2]");
+  {
+    const Hdf5Handle file(H5Fcreate((folder / "samples.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                          H5Fclose);
+    const hsize_t dimensions[] = {1, 1, 3, 2, 2};
+    const Hdf5Handle space(H5Screate_simple(5, dimensions, nullptr), H5Sclose);
+    const Hdf5Handle data(
+        H5Dcreate2(file.get(), "color", H5T_STD_I32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
+    ASSERT_TRUE(data.ok());
+  }
+  EXPECT_ERROR(read_pair(folder, "d"), "holds no floats");
+  EXPECT_FALSE(fs::exists(folder / "d"));
+}
+
+}  // namespace
+}  // namespace ld
