@@ -79,8 +79,9 @@ class PathCounter {
 
 class DatasetRenderer {
  public:
-  DatasetRenderer(const Recipe& recipe, std::filesystem::path folder, PathCounter& counter)
-      : recipe_(recipe), source_(make_scene_source(recipe)), folder_(std::move(folder)), counter_(counter) {}
+  DatasetRenderer(const Recipe& recipe, const SceneSource& source, std::filesystem::path folder,
+                  PathCounter& counter)
+      : recipe_(recipe), source_(source), folder_(std::move(folder)), counter_(counter) {}
 
   void render_frame(int64_t frame, int threads) {
     if (stop_requested()) return;
@@ -95,7 +96,7 @@ class DatasetRenderer {
     settings.stop = stop_requested;
     settings.progress = [this](int64_t paths) { counter_.add(paths); };
 
-    const auto scene = source_->prepare(frame);
+    const auto scene = source_.prepare(frame);
     settings.spp = static_cast<int>(recipe_.spp);
     std::vector<Frame> samples;  // every instance, each followed by its halved companion if there is one
     for (int64_t instance = 0; instance < recipe_.sequence.noise_instances; ++instance) {
@@ -182,7 +183,7 @@ class DatasetRenderer {
   }
 
   const Recipe& recipe_;
-  std::unique_ptr<SceneSource> source_;
+  const SceneSource& source_;
   std::filesystem::path folder_;
   PathCounter& counter_;
   std::mutex manifest_mutex_;
@@ -197,13 +198,14 @@ std::filesystem::path half_path(const std::filesystem::path& folder, const std::
 
 RenderReport render_dataset(const Recipe& recipe, const std::filesystem::path& folder, int64_t begin,
                             int64_t end, int threads) {
+  const auto source = make_scene_source(recipe);  // a scene file that cannot be read leaves no folder behind
   const std::vector<int64_t> frames = missing_frames(recipe, folder, begin, end);
   const auto count = static_cast<int64_t>(frames.size());
   int64_t total = 0;
   for (const int64_t frame : frames) total += recipe.paths(frame);
   const auto start = std::chrono::steady_clock::now();
   PathCounter counter(total, count);
-  DatasetRenderer renderer(recipe, folder, counter);
+  DatasetRenderer renderer(recipe, *source, folder, counter);
 
   // A frame a thread while there are plenty: building and writing, which take one thread, then overlap with
   // tracing. The last frames are shared by all threads, so that none waits for another's long frame.

@@ -261,6 +261,12 @@ TEST(LdRenderScene, FromEndToEnd) {
   expect_failure(run_program("ld_render", {"--recipe", "r.yaml", "--views", "3", "--out", out}), 2,
                  {"--scene"});
   expect_failure(run_program("ld_render", {"--scene", kBox + "x", "--out", out}), 1, {"BoxTextured.glbx"});
+  write_file_atomically(folder / "broken.obj", "f 1 2 3\n");
+  const std::string none = (folder / "none").string();
+  expect_failure(
+      run_program("ld_render", {"--scene", (folder / "broken.obj").string(), "--views", "1", "--out", none}),
+      1, {"broken.obj"});
+  EXPECT_FALSE(std::filesystem::exists(none)) << "a scene that cannot be read leaves nothing behind";
   write_file_atomically(folder / "broken.glb", "glTF and then nothing");
   expect_failure(run_program("ld_render", {"--scene", (folder / "broken.glb").string(), "--out", out}), 1,
                  {"broken.glb", "truncated"});
