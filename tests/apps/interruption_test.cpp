@@ -56,7 +56,8 @@ class Interruption : public ::testing::Test {
   void SetUp() override {
     write_file_atomically(folder_ / "recipe.yaml",
                           "resolution: [24, 24]\nspp: 4\nreference_spp: {train: 64, test: 64}\n"
-                          "frames: {train: 4, validation: 0, test: 1}\nscenes: {objects: [2, 3]}\n");
+                          "frames: {train: 4, validation: 0, test: 1}\nscenes: {variety: simple, objects: "
+                          "[2, 3], outdoor_objects: [2, 3]}\n");
     const auto start = std::chrono::steady_clock::now();
     const ProgramResult result = run_program("ld_render", arguments(folder_ / "whole"));
     ASSERT_EQ(result.exit_code, 0) << result.output;

@@ -170,8 +170,17 @@ const std::vector<Fault>& faults() {
        {}},
       {"the mean as reference",
        "seeds",
-       "holds the samples themselves",
+       "hold the samples themselves",
        [](Picture& p) { p.reference = mean_radiance(p.frame); },
+       {}},
+      {"references that hold the samples among twice as many",
+       "seeds",
+       "hold the samples themselves",
+       [](Picture& p) {
+         const Image mean = mean_radiance(p.frame);
+         for (size_t i = 0; i < mean.pixels.size(); ++i)
+           p.reference.pixels[i] = 0.6F * mean.pixels[i] + 0.4F * p.reference.pixels[i];
+       },
        {}},
       {"one sample in the reference",
        "seeds",
