@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/checksum.h"
 #include "core/error.h"
 #include "frame/frame_file.h"
@@ -10,11 +12,9 @@ namespace {
 
 /// A reference that is one of the samples teaches a network to leave the noise alone.
 void check_other_noise(const DataSetPlace& place, const Frame& frame, const Image& reference) {
-  const size_t bytes = 3 * frame.plane_size() * sizeof(float);
+  const auto size = static_cast<std::ptrdiff_t>(3 * frame.plane_size());
   for (int s = 0; s < frame.spp; ++s)
-    if (std::equal(reference.plane(0), reference.plane(0) + 3 * frame.plane_size(),
-                   frame.plane(s, kRadianceOffset)) &&
-        bytes > 0)
+    if (std::equal(reference.plane(0), reference.plane(0) + size, frame.plane(s, kRadianceOffset)))
       fail("{}: sample {} is the reference itself; render a converged picture with another seed", place.name,
            s);
 }

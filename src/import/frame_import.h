@@ -41,8 +41,8 @@ struct DataSetPlace {
   std::optional<int64_t> sequence = {}, position = {};
 };
 
-/// Throws Error when a folder of this recipe-less kind cannot take frames: it holds rendered ones. Called
-/// before work is done.
+/// Throws Error for a name or split that cannot be, and for a folder of rendered frames. For calling before
+/// work is done.
 void check_place(const DataSetPlace& place);
 
 /// Writes frame and reference and adds them to the folder's manifest; replaces a frame of this name. Throws

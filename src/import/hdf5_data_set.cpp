@@ -187,8 +187,7 @@ Hdf5Report data_set_to_hdf5(const fs::path& folder, const std::string& split, co
     write_atomically(references,
                      [&](const fs::path& references_path) { write(samples_path, references_path); });
   });
-  for (const char* feature : {"flow"})
-    if (held[feature] > 0) report.left_out.emplace_back(feature);
+  if (held["flow"] > 0) report.left_out.emplace_back("flow");
   return report;
 }
 

@@ -30,6 +30,8 @@ TEST(Manifest, RoundTripOrderedByNameAndReplaced) {
   add_to_manifest(folder.path(), one_frame(3, "validation"));
   Manifest again = one_frame(12);
   again.frames[0].reference_checksum = "fedcba9876543210";
+  again.frames[0].sequence = 4;
+  again.frames[0].position = 0;
   add_to_manifest(folder.path(), again);
   const Manifest read = read_manifest(folder.path());
   EXPECT_EQ(read.recipe, "width: 8\n");
@@ -41,6 +43,9 @@ TEST(Manifest, RoundTripOrderedByNameAndReplaced) {
   EXPECT_EQ(read.frames[0].checksum, "0123456789abcdef");
   EXPECT_EQ(read.frames[0].reference_checksum, "");
   EXPECT_EQ(read.frames[1].reference_checksum, "fedcba9876543210");
+  EXPECT_FALSE(read.frames[0].sequence);
+  EXPECT_EQ(read.frames[1].sequence, 4);
+  EXPECT_EQ(read.frames[1].position, 0);
   // The order of additions leaves no trace.
   const TemporaryFolder other;
   add_to_manifest(other.path(), one_frame(3, "validation"));
