@@ -2,13 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ld {
+
+namespace {
+
+/// Whether a sample needs nothing done to it, which is the rule: one pass over its planes in order, a tenth
+/// of the time of going through all planes pixel by pixel. NaN fails both comparisons.
+bool is_clean(const Frame& frame, int s) {
+  const size_t pixels = frame.plane_size();
+  for (int c = 0; c < kSampleChannels; ++c) {
+    const float low = c < 3 ? 0.0F : -kEscapedDepth;
+    const float high = c < 3 ? std::numeric_limits<float>::max() : kEscapedDepth;
+    const float* plane = frame.plane(s, c);
+    bool fine = true;
+    for (size_t p = 0; p < pixels; ++p) fine &= (plane[p] >= low) & (plane[p] <= high);
+    if (!fine) return false;
+  }
+  const uint8_t* valid = frame.valid_plane(s);
+  return std::all_of(valid, valid + pixels, [](uint8_t v) { return v != 0; });
+}
+
+}  // namespace
 
 Faults sanitise(Frame& frame) {
   Faults faults;
   const size_t pixels = frame.plane_size();
   for (int s = 0; s < frame.spp; ++s) {
+    if (frame.alpha.empty() && is_clean(frame, s)) continue;
     uint8_t* valid = frame.valid_plane(s);
     float* const alpha = frame.alpha.empty() ? nullptr : frame.alpha.data() + static_cast<size_t>(s) * pixels;
     for (size_t p = 0; p < pixels; ++p) {
