@@ -316,7 +316,7 @@ int add_wall_material(SceneBuilder& builder, WallKind kind, Vec3 along, Vec3 upw
     texture = between(Pattern::noise, a, b, plane, log_uniform(random, 0.5F, 8), random);
   } else {
     constexpr Pattern kWalls[] = {Pattern::bricks, Pattern::tiles, Pattern::stripes, Pattern::voronoi,
-                                  Pattern::marble, Pattern::dots,  Pattern::glyphs};
+                                  Pattern::marble, Pattern::dots,  Pattern::wood};
     constexpr Pattern kFloors[] = {Pattern::bricks, Pattern::tiles,   Pattern::checker, Pattern::marble,
                                    Pattern::cracks, Pattern::voronoi, Pattern::weave};
     const uint32_t which = random.below(7);

@@ -66,7 +66,7 @@ Weather random_weather(RandomStream& random, bool studio) {
     default: {  // after sunset: a bright band where the sun went
       sky.zenith = {0.08F, 0.13F, 0.35F};
       sky.horizon = {0.35F, 0.25F, 0.35F};
-      sky.patches.push_back(disk(towards(random.uniform(0.1F, 0.4F), turn), 0.35F, Vec3{2.4F, 1.2F, 0.5F}));
+      sky.patches.push_back(disk(towards(random.uniform(0.1F, 0.4F), turn), 0.9F, Vec3{3, 1.5F, 0.6F}));
       break;
     }
   }

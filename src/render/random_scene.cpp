@@ -133,7 +133,7 @@ std::unique_ptr<PreparedScene> prepare_random_scene(const SceneConfig& config, u
   for (uint32_t attempt = 0;; ++attempt) {
     auto scene = std::make_unique<PreparedScene>(random_scene(config, seed, frame, attempt, width, height));
     RandomStream random(seed, RandomPurpose::scene, frame, attempt, kExposureStream);
-    const DraftLook look = look_at_draft(*scene, log_uniform(random, 0.12F, 0.45F), seed, frame, attempt);
+    const DraftLook look = look_at_draft(*scene, log_uniform(random, 0.17F, 0.5F), seed, frame, attempt);
     if (look.fault != DraftFault::none && attempt + 1 < kAttempts) {
       if (rejected != nullptr) rejected->push_back(look.fault);
       continue;

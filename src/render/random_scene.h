@@ -66,8 +66,8 @@ Scene random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame, uin
                    int height);
 
 /// The scene of a frame: the first draft without a fault (draft_check.h), its lights scaled so that the
-/// median luminance of the picture lies between 0.1 and 0.5. `rejected`, when given, receives the faults of
-/// the drafts before it.
+/// median luminance of the picture lies about between 0.17 and 0.5. `rejected`, when given, receives the
+/// faults of the drafts before it.
 std::unique_ptr<PreparedScene> prepare_random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame,
                                                     int width, int height,
                                                     std::vector<DraftFault>* rejected = nullptr);

@@ -16,7 +16,7 @@ void add_floor_and_ceiling(SceneBuilder& builder, const std::array<Wall, 6>& wal
 }
 
 void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest) {
-  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.14F, largest}};
+  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.18F, largest}};
   builder.ceiling = 0.9F * height;
 }
 
@@ -67,7 +67,7 @@ void build_living_room(SceneBuilder& builder, int count) {
   add_environment(builder, false);
   scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
 
-  set_floor_spot(builder, half, height, 0.6F);
+  set_floor_spot(builder, half, height, 0.7F);
   add_rug(builder, {random.uniform(-0.5F, 0.5F), 0, random.uniform(-0.4F, 0.4F)});
   const float sofa_at = random.uniform(1, 2 * half.x - 1);
   set_against(builder, walls[kFront], sofa_at, make_sofa(random), 0.05F);
@@ -117,7 +117,7 @@ void build_kitchen(SceneBuilder& builder, int count) {
   add_door(builder, walls[kFront], random.uniform(0.7F, 2 * half.x - 0.7F));
   add_environment(builder, false);
   scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
-  set_floor_spot(builder, half, height, 0.4F);
+  set_floor_spot(builder, half, height, 0.55F);
 
   const int fronts = add_material_of(
       builder, {make_block({}, grey(0.4F)), chance(random, 0.5) ? Stuff::wood : Stuff::ceramic, true});
@@ -229,7 +229,7 @@ void build_attic(SceneBuilder& builder, int) {
   add_environment(builder, false);
   scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
 
-  builder.spots = {{{-0.8F * half.x, 0, -half.z}, {0.8F * half.x, 0, half.z}, 0.14F, 0.5F}};
+  builder.spots = {{{-0.8F * half.x, 0, -half.z}, {0.8F * half.x, 0, half.z}, 0.18F, 0.6F}};
   builder.ceiling = 0.6F * ridge;
   for (const WallIndex i : {kLeft, kRight}) {
     const float s = random.uniform(0.8F, 2 * half.z - 0.8F);

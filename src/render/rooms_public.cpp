@@ -11,7 +11,7 @@ namespace {
 constexpr Vec3 kX = {1, 0, 0}, kY = {0, 1, 0}, kZ = {0, 0, 1};
 
 void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest) {
-  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.14F, largest}};
+  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.18F, largest}};
   builder.ceiling = 0.9F * height;
 }
 
@@ -39,7 +39,7 @@ void build_office(SceneBuilder& builder, int count) {
   add_door(builder, walls[kFront], random.uniform(0.7F, 2 * half.x - 0.7F));
   add_environment(builder, false);
   scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
-  set_floor_spot(builder, half, height, 0.5F);
+  set_floor_spot(builder, half, height, 0.65F);
 
   // Rows of desks, all of one make.
   const RandomStream make = random;
@@ -173,7 +173,7 @@ void build_corridor(SceneBuilder& builder, int count) {
   add_wall(builder, walls[kLeft], {}, paint);
   add_environment(builder, false);
   scale_environment(builder.scene, log_uniform(random, 0.03F, 0.4F));
-  set_floor_spot(builder, half, height, 0.35F);
+  set_floor_spot(builder, half, height, 0.45F);
 
   Mesh pipes, arches;
   const int runs = static_cast<int>(random.below(5));
