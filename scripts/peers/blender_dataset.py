@@ -52,7 +52,7 @@ def main():
     if not options.blend.exists():
         dataset.stop(f"found no {options.blend}")
 
-    there = dataset.names_in(options.out)
+    there = dataset.frames_in(options.out)
     start = [options.blender, "-b", options.blend, "-P", HERE / "blender_samples.py", "--"] if options.blender else \
         [sys.executable, HERE / "blender_samples.py", "--blend", options.blend]
     call(start + ["--out", renders, "--frames", options.frames, "--views", options.views, "--jitter", options.jitter,
@@ -72,7 +72,7 @@ def main():
         dataset.import_frame(options, "cycles", name, dataset.split_of(index, len(names), options.split), folder)
         if not options.keep:
             shutil.rmtree(folder)
-    print(f"blender_dataset: {options.out} has {len(dataset.names_in(options.out))} frames")
+    print(f"blender_dataset: {options.out} has {len(dataset.frames_in(options.out))} frames")
     dataset.train_and_evaluate(options)
 
 

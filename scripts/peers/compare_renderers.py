@@ -130,7 +130,8 @@ def speed(options):
     def rate(seconds, renderer):
         return pixels * (many - few) / (seconds[renderer, many] - seconds[renderer, few]) / 1e6
 
-    print(f"Cornell box, {scene['max_bounces']} bounces, {options.size} x {options.size}, {options.threads} threads: million paths a second")
+    print(f"Cornell box, {scene['max_bounces']} bounces, {options.size} x {options.size}, {options.threads} threads: "
+          f"million paths a second")
     for renderer, name in NAMES.items():
         print(f"{name:10} {rate(wall, renderer):7.3f}, {rate(processor, renderer):7.3f} in a second of one processor")
     for peer in ("cycles", "mitsuba"):

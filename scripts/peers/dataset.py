@@ -37,17 +37,20 @@ def run(*command):
     """Runs a program of this project and shows what it prints; ends this one with its exit code when it fails."""
     command = [str(part) for part in command]
     print("+", " ".join(command), flush=True)
-    code = subprocess.run(command).returncode
+    try:
+        code = subprocess.run(command).returncode
+    except OSError as error:
+        stop(f"cannot start {command[0]}: {error.strerror}; build it first (README.md)")
     if code != 0:
         sys.exit(code)
 
 
-def names_in(out):
-    """The frames that the data set has already, so that an interrupted run continues."""
+def frames_in(out):
+    """{name: split} of the frames that the data set has already, so that an interrupted run continues."""
     manifest = out / "manifest.json"
     if not manifest.exists():
-        return set()
-    return {frame["name"] for frame in json.loads(manifest.read_text())["frames"]}
+        return {}
+    return {frame["name"]: frame["split"] for frame in json.loads(manifest.read_text())["frames"]}
 
 
 def split_of(index, count, wanted):
@@ -69,6 +72,8 @@ def train_and_evaluate(options):
     if not options.train:
         return
     trained = Path(f"{options.out}.run")
+    # The crops of a step come from different frames.
+    batch = min(4, list(frames_in(options.out).values()).count("train"))
     run(options.bin / "ld_train", "--config", ROOT / "configs/quick.yaml", f"data.path={options.out}",
-        "network.features=auto", f"run.max_steps={options.train}", "--out", trained)
+        "network.features=auto", f"data.batch={batch}", f"run.max_steps={options.train}", "--out", trained)
     run(options.bin / "ld_eval", "--data", options.out, "--model", f"quick={trained}", "--out", f"{options.out}.eval")

@@ -3,7 +3,8 @@
 
     out/peers/venv/bin/python scripts/peers/mitsuba_dataset.py --scene FILE.xml --out out/peers/mitsuba
 
-Each picture is rendered SPP times with one sample a pixel and once with many; the pictures are views from beside the scene's camera.
+Each picture is rendered SPP times with one sample a pixel and once with many; the pictures are views from the scene's camera and
+from beside it.
 Without --scene it takes the scene of mitsuba_scene.py. Mitsuba 3.9 has no moving objects, so there is no motion blur.
 """
 import argparse
@@ -95,7 +96,7 @@ def main():
     rng = random.Random(options.seed)
     distance = distance_of_interest(scene, lens)
     poses = [lens["to_world"]] + [view_beside(lens["to_world"], distance, options.jitter, rng) for _ in range(options.views - 1)]
-    there = dataset.names_in(options.out)
+    there = dataset.frames_in(options.out)
     for index, pose in enumerate(poses):
         name = f"{options.prefix}_{index:04}"
         if name in there:
@@ -114,7 +115,7 @@ def main():
         dataset.import_frame(options, "mitsuba", name, dataset.split_of(index, len(poses), options.split), folder)
         if not options.keep:
             shutil.rmtree(folder)
-    print(f"mitsuba_dataset: {options.out} has {len(dataset.names_in(options.out))} frames")
+    print(f"mitsuba_dataset: {options.out} has {len(dataset.frames_in(options.out))} frames")
     dataset.train_and_evaluate(options)
 
 

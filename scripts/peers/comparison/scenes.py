@@ -100,6 +100,6 @@ def probe_lit(size):
     meshes = [quad((-8, 0, 8), (16, 0, 0), (0, 0, -16), "floor"), sphere((-1.65, 0.6, 0), 0.6, "clay"),
               sphere((-0.4, 0.6, -0.5), 0.6, "gold"), sphere((0.9, 0.6, -0.3), 0.6, "glass"),
               sphere((2.1, 0.6, 0.1), 0.6, "frosted"), box((0.2, 0.25, 0.9), (0.25, 0.25, 0.25), 0.5, "clay")]
-    return {"name": "probe", "camera": camera((0.6, 1.7, 5.2), (0.25, 0.55, 0), math.radians(36), size * 3 // 2, size), "max_bounces": 8,
-            "samples": 1, "materials": materials, "meshes": meshes, "points": [{"position": (-2.5, 2.2, -2.0), "intensity": (6, 7, 9)}],
-            "probe": sky_picture()}
+    return {"name": "probe", "camera": camera((0.6, 1.7, 5.2), (0.25, 0.55, 0), math.radians(36), size * 3 // 2, size),
+            "max_bounces": 8, "samples": 1, "materials": materials, "meshes": meshes,
+            "points": [{"position": (-2.5, 2.2, -2.0), "intensity": (6, 7, 9)}], "probe": sky_picture()}
