@@ -1,5 +1,6 @@
 """What blender_dataset.py and mitsuba_dataset.py share: from rendered files to a data set, and from there to a table."""
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -72,8 +73,11 @@ def train_and_evaluate(options):
     if not options.train:
         return
     trained = Path(f"{options.out}.run")
-    # The crops of a step come from different frames.
-    batch = min(4, list(frames_in(options.out).values()).count("train"))
+    frames = list(frames_in(options.out).values()).count("train")
+    if frames == 0:
+        stop(f"{options.out} has no frames of the split train to train on")
+    batch = min(4, frames)  # the crops of a step come from different frames
+    epochs = math.ceil(options.train / (frames // batch))  # the schedule of the learning rate ends with the steps
     run(options.bin / "ld_train", "--config", ROOT / "configs/quick.yaml", f"data.path={options.out}",
-        "network.features=auto", f"data.batch={batch}", f"run.max_steps={options.train}", "--out", trained)
+        "network.features=auto", f"data.batch={batch}", f"epochs={epochs}", f"run.max_steps={options.train}", "--out", trained)
     run(options.bin / "ld_eval", "--data", options.out, "--model", f"quick={trained}", "--out", f"{options.out}.eval")
