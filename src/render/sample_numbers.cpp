@@ -27,13 +27,16 @@ uint32_t hash(uint32_t x) {  // the finaliser of MurmurHash3
   return x ^ (x >> 16);
 }
 
-/// Second dimension of Sobol's sequence: the direction numbers are the rows of Pascal's triangle modulo 2.
-/// The first dimension is the reversed index.
-uint32_t sobol_second(uint32_t index) {
-  uint32_t result = 0;
-  for (uint32_t direction = 0x80000000U; index != 0; index >>= 1, direction ^= direction >> 1)
-    result ^= direction & (0U - (index & 1));
-  return result;
+/// Second dimension of Sobol's sequence, bit-reversed: the direction numbers are the rows of Pascal's
+/// triangle modulo 2, so with the index's bits as a polynomial's coefficients it is p(x + 1) modulo 2, half
+/// by half: the upper half of each block is added to its lower one (Ahmed, "An implementation algorithm of 2D
+/// Sobol sequence", 2024). The first dimension, bit-reversed, is the index.
+uint32_t sobol_second_reversed(uint32_t index) {
+  index ^= index >> 16;
+  index ^= (index & 0xFF00FF00U) >> 8;
+  index ^= (index & 0xF0F0F0F0U) >> 4;
+  index ^= (index & 0xCCCCCCCCU) >> 2;
+  return index ^ ((index & 0xAAAAAAAAU) >> 1);
 }
 
 float to_unit(uint32_t bits) {
@@ -53,8 +56,7 @@ Vec2 SampleNumbers::next_point() {
   // Shuffling the index by a scramble keeps every aligned run of 2^k samples together.
   const uint32_t index = reverse_bits(scramble_reversed(reverse_bits(index_), seed));
   const uint32_t x = reverse_bits(scramble_reversed(index, hash(seed ^ 0x2C1B3C6DU)));
-  const uint32_t y =
-      reverse_bits(scramble_reversed(reverse_bits(sobol_second(index)), hash(seed ^ 0x297A2D39U)));
+  const uint32_t y = reverse_bits(scramble_reversed(sobol_second_reversed(index), hash(seed ^ 0x297A2D39U)));
   return {to_unit(x), to_unit(y)};
 }
 
