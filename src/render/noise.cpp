@@ -11,7 +11,7 @@ float lerp(float a, float b, float t) {
 }
 
 /// Dot product with one of the twelve edge directions of a cube.
-float gradient(uint32_t hash, float x, float y, float z) {
+inline float gradient(uint32_t hash, float x, float y, float z) {
   const uint32_t h = hash >> 28;
   const float u = h < 8 ? x : y;
   const float v = h < 4 ? y : (h == 12 || h == 14) ? x : z;
@@ -20,30 +20,22 @@ float gradient(uint32_t hash, float x, float y, float z) {
 
 }  // namespace
 
-uint32_t lattice_hash(int32_t x, int32_t y, int32_t z, uint32_t seed) {
-  uint32_t h = seed ^ (static_cast<uint32_t>(x) * 0x8DA6B343U) ^ (static_cast<uint32_t>(y) * 0xD8163841U) ^
-               (static_cast<uint32_t>(z) * 0xCB1AB31FU);
-  // The finaliser of MurmurHash3.
-  h = (h ^ (h >> 16)) * 0x85EBCA6BU;
-  h = (h ^ (h >> 13)) * 0xC2B2AE35U;
-  return h ^ (h >> 16);
-}
-
-float gradient_noise(Vec3 p, uint32_t seed) {
+// The eight corners are arrays, so that the compiler can take them side by side; with AVX2, where the machine
+// has it, all at once. No instruction set that is named here fuses products with sums: the bits are the same
+// everywhere.
+__attribute__((target_clones("avx2", "default"))) float gradient_noise(Vec3 p, uint32_t seed) {
+  constexpr int kCorners = 8;  // x changes fastest, z slowest
   const int32_t ix = floor_to_int(p.x), iy = floor_to_int(p.y), iz = floor_to_int(p.z);
   const Vec3 f = {p.x - static_cast<float>(ix), p.y - static_cast<float>(iy), p.z - static_cast<float>(iz)};
-  const float u = fade(f.x), v = fade(f.y), w = fade(f.z);
-  float planes[2];
-  for (int k = 0; k < 2; ++k) {
-    float rows[2];
-    for (int j = 0; j < 2; ++j) {
-      const float y = f.y - static_cast<float>(j), z = f.z - static_cast<float>(k);
-      rows[j] = lerp(gradient(lattice_hash(ix, iy + j, iz + k, seed), f.x, y, z),
-                     gradient(lattice_hash(ix + 1, iy + j, iz + k, seed), f.x - 1, y, z), u);
-    }
-    planes[k] = lerp(rows[0], rows[1], v);
+  float values[kCorners];
+  for (int c = 0; c < kCorners; ++c) {
+    const int dx = c & 1, dy = c >> 1 & 1, dz = c >> 2;
+    values[c] = gradient(lattice_hash(ix + dx, iy + dy, iz + dz, seed), f.x - static_cast<float>(dx),
+                         f.y - static_cast<float>(dy), f.z - static_cast<float>(dz));
   }
-  return lerp(planes[0], planes[1], w);
+  const float u = fade(f.x), v = fade(f.y), w = fade(f.z);
+  return lerp(lerp(lerp(values[0], values[1], u), lerp(values[2], values[3], u), v),
+              lerp(lerp(values[4], values[5], u), lerp(values[6], values[7], u), v), w);
 }
 
 float fractal_noise(Vec3 p, int octaves, uint32_t seed) {

@@ -21,6 +21,13 @@ inline int32_t floor_to_int(float x) {
 }
 
 /// A hash of lattice coordinates, uniform over 32 bits.
-uint32_t lattice_hash(int32_t x, int32_t y, int32_t z, uint32_t seed);
+inline uint32_t lattice_hash(int32_t x, int32_t y, int32_t z, uint32_t seed) {
+  uint32_t h = seed ^ (static_cast<uint32_t>(x) * 0x8DA6B343U) ^ (static_cast<uint32_t>(y) * 0xD8163841U) ^
+               (static_cast<uint32_t>(z) * 0xCB1AB31FU);
+  // The finaliser of MurmurHash3.
+  h = (h ^ (h >> 16)) * 0x85EBCA6BU;
+  h = (h ^ (h >> 13)) * 0xC2B2AE35U;
+  return h ^ (h >> 16);
+}
 
 }  // namespace ld
