@@ -14,9 +14,15 @@ packages=(
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
   libembree-dev libassimp-dev
   libhdf5-dev                # optional: without it ld_import reads and writes no HDF5
-  assimp-testmodels          # scenes that the tests read
   libhwy-dev
+  libgloo-dev                # headers of what LibTorch sends gradients with
+  libonnx-dev libprotobuf-dev
+)
+test_packages=(
   libgtest-dev
+  assimp-testmodels          # scenes that the tests read
+  python3-skimage            # computes SSIM and PSNR once more
+  chromium chromium-driver python3-selenium  # open the report
 )
 tests=ON
 for argument in "$@"; do
@@ -26,6 +32,7 @@ for argument in "$@"; do
     *) echo "setup.sh: unknown option '$argument'; expected --dev or --no-tests" >&2; exit 2 ;;
   esac
 done
+[ $tests = OFF ] || packages+=("${test_packages[@]}")
 
 missing=()
 for package in "${packages[@]}"; do
