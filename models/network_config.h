@@ -47,6 +47,9 @@ struct NetworkConfig {
   std::vector<int64_t> sample_partitioner = {32, 16};  // hidden layers; the output is `layers`
   std::vector<int64_t> kernel_generator = {128, 128};  // hidden layers; the output is kernel_size squared
   UNetConfig unet;
+  /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
+  /// (models/exposure.h): the result then scales with the radiance exactly.
+  bool exposure_normalisation = false;
 
   bool auto_features() const { return features == std::vector<std::string>{kAutoFeatures}; }
 
@@ -62,6 +65,7 @@ struct NetworkConfig {
     v.field("sample_partitioner", sample_partitioner, Range{1, 4096});
     v.field("kernel_generator", kernel_generator, Range{1, 4096});
     v.section("unet", unet);
+    v.field("exposure_normalisation", exposure_normalisation);
   }
 };
 
