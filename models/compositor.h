@@ -24,13 +24,17 @@ inline torch::Tensor composite_alpha(const torch::Tensor& radiance, const torch:
 
 /// The second half of figure 2: kernels from the layers' embeddings and the context [B, C, H, W], eq. 3 and
 /// 4, and the compositor that the partition was made for: eq. 5, or the weighted sum of eq. 6, which is sum
-/// L-bar_l over sum w-bar_l (as printed it would weigh by w twice). Result [B, 3, H, W].
+/// L-bar_l over sum w-bar_l (as printed it would weigh by w twice). Result [B, 3, H, W]. `first_row` as in
+/// ops/generated_filter.h.
 inline torch::Tensor filter_and_composite(const FullyConnectedWeights& generator, const Partition& layers,
-                                          const torch::Tensor& context, Compositing compositing) {
+                                          const torch::Tensor& context, Compositing compositing,
+                                          int64_t first_row = 0) {
   if (compositing == Compositing::weighted)
-    return generated_splat_joint(generator, layers.embedding, context, layers.log_n, layers.radiance);
-  const torch::Tensor filtered = generated_splat(generator, layers.embedding, context, layers.log_n,
-                                                 at::cat({layers.radiance, layers.transmittance}, 2));
+    return generated_splat_joint(generator, layers.embedding, context, layers.log_n, layers.radiance,
+                                 first_row);
+  const torch::Tensor filtered =
+      generated_splat(generator, layers.embedding, context, layers.log_n,
+                      at::cat({layers.radiance, layers.transmittance}, 2), first_row);
   return composite_alpha(filtered.narrow(2, 0, 3), filtered.narrow(2, 3, 1));
 }
 

@@ -18,6 +18,46 @@ class ContextNetwork : public Network {
         sample_reducer_(register_module("sample_reducer", std::make_shared<SampleReducer>(config, inputs))),
         unet_(register_module("unet", std::make_shared<UNet>(config.sample_reducer.back(), config.unet))) {}
 
+  /// What the U-net knows of a picture, its full resolution on demand.
+  struct Context {
+    PictureRows picture;  // the U-net's input
+    UNet::Coarse coarse;
+  };
+  Context make_context(const PictureRows& picture, const InputSource& input, int64_t resolutions) const {
+    const InputSource::Sizes sizes = input.sizes();
+    const PictureSize size = {sizes.batch, sizes.height, sizes.width};
+    Context context = {kept_rows(picture, sizes.height, picture_bytes(size)), {}};
+    context.coarse = unet_->encode(context.picture, size, resolutions);
+    return context;
+  }
+
+  /// C_xy of rows [begin, end).
+  torch::Tensor context_rows(const Context& context, int64_t begin, int64_t end) const {
+    return unet_->context(context.coarse, context.picture, begin, end);
+  }
+
+  /// Rows of a strip of the second half when each of them takes `row_bytes` besides what context_rows()
+  /// does, and a kernel is applied.
+  int64_t second_half_reach() const { return 2 * unet_->context_reach() + 2 * (config().kernel_size / 2); }
+  int64_t second_half_rows(const PictureSize& size, int64_t row_bytes) const {
+    return strip_rows(size.height, unet_->context_row_bytes(size) + row_bytes, second_half_reach());
+  }
+
+  /// memory_bytes() of a network whose second half runs in such strips, beside `whole` bytes.
+  int64_t memory_of(const PictureSize& size, int64_t resolutions, int64_t row_bytes, int64_t whole) const {
+    const torch::NoGradGuard in_strips_only;
+    const int64_t picture = picture_bytes(size);
+    const int64_t kept = keeps_rows(picture) ? picture : 0, strip = StripBytes::current();
+    const int64_t row = unet_->context_row_bytes(size) + row_bytes;
+    const int64_t last_strips = (second_half_rows(size, row_bytes) + second_half_reach()) * row;
+    return kept + std::max(unet_->encode_bytes(size, resolutions) + std::max(strip, last_strips),
+                           unet_->coarse_bytes(size, resolutions) + whole + last_strips);
+  }
+
+  int64_t picture_bytes(const PictureSize& size) const {
+    return size.batch * config().sample_reducer.back() * size.height * size.width * int64_t(sizeof(float));
+  }
+
   std::shared_ptr<SampleReducer> sample_reducer_;
   std::shared_ptr<UNet> unet_;
 };

@@ -28,10 +28,23 @@ class LayerNetwork : public LayeredNetwork {
  public:
   explicit LayerNetwork(const NetworkConfig& config);
 
-  LayerStages stages(NetworkInput input);
+  LayerStages stages(const NetworkInput& input);
+
+  /// Radiance, opacity and weight of the stages, and the unfiltered radiance, of an input in strips, as
+  /// [B, N, 3 + 1 + 1 + 3, H, W] in this order.
+  torch::Tensor layers(const InputSource& input);
+
+  /// The kernels that pixel (x, y) scatters its light with: exp(e_l) n_l / sum of it over layers and taps,
+  /// [B, N, K*K]; all 0 for a pixel without samples.
+  torch::Tensor kernels_at(const InputSource& input, int64_t x, int64_t y);
+
+  int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const override;
 
  private:
-  torch::Tensor denoise(NetworkInput input) override;
+  torch::Tensor denoise(const InputSource& input) override;
+  template <class Use>
+  torch::Tensor in_layer_strips(const InputSource& input, const Use& use);
+  torch::Tensor looked_at(const Layers& layers, int64_t first_row) const;
 
   std::shared_ptr<KernelGenerator> kernel_generator_;
 };

@@ -17,13 +17,23 @@ class LayeredNetwork : public ContextNetwork {
         sample_partitioner_(
             register_module("sample_partitioner", std::make_shared<SamplePartitioner>(config))) {}
 
+  /// The layers of some rows, in the form that strips are put together in.
   struct Layers {
-    std::vector<torch::Tensor> context;  // UNet::features, finest first
+    torch::Tensor context;  // C_xy
     Partition partition;
+
+    explicit Layers(const std::vector<torch::Tensor>& tensors);
+    Layers(torch::Tensor c, Partition p) : context(std::move(c)), partition(std::move(p)) {}
+    std::vector<torch::Tensor> tensors() const;
+    Layers of_rows(int64_t begin, int64_t end) const;
   };
 
-  /// Reducer, U-net, partitioner and partition. The samples are not needed any more afterwards.
-  Layers make_layers(NetworkInput input, int64_t resolutions) const;
+  /// Partitioner and partition of rows [begin, end).
+  Layers make_layers(const InputSource& input, const SampleEmbeddings& embeddings, const Context& context,
+                     int64_t begin, int64_t end) const;
+
+  /// Memory of a row of layers, held from one strip to the next, and of a row of samples on the way there.
+  int64_t layers_row_bytes(const PictureSize& size) const;
 
   Compositing compositing() const {
     return config().compositing == "weighted" ? Compositing::weighted : Compositing::alpha;

@@ -31,6 +31,8 @@ std::shared_ptr<Network> make(const NetworkConfig& config) {
   return std::make_shared<T>(config);
 }
 
+constexpr size_t kMostResolutions = 15;  // pictures are padded to multiples of 2^15 at most
+
 /// A new network is one line here and one file beside this one.
 const std::map<std::string, Entry>& registry() {
   static const std::map<std::string, Entry> networks = {
@@ -75,9 +77,10 @@ void check_use(const NetworkConfig& config) {
                UNet::resolutions(config.unet));
 }
 
-/// What the reader of the file cannot see: that the sizes fit together. Weight files bring configurations
-/// too.
-void check_config(const NetworkConfig& config) {
+}  // namespace
+
+// What the reader of the file cannot see: that the sizes fit together. Weight files bring configurations too.
+void check_network(const NetworkConfig& config) {
   check_choice("name", config.name, network_names());
   check_choice("compositing", config.compositing, {"alpha", "weighted"});
   check_choice("unet.upsampling", config.unet.upsampling, {"bilinear", "nearest"});
@@ -96,6 +99,9 @@ void check_config(const NetworkConfig& config) {
   check_widths("kernel_generator", config.kernel_generator, true);
   const UNetConfig& unet = config.unet;
   if (unet.encoder.empty()) fail_usage("network.unet.encoder is empty, expected at least one block");
+  if (unet.encoder.size() > kMostResolutions)
+    fail_usage("network.unet.encoder has {} blocks, expected at most {}: each halves the picture",
+               unet.encoder.size(), kMostResolutions);
   if (unet.encoder.size() != unet.decoder.size())
     fail_usage("network.unet.encoder has {} blocks and network.unet.decoder {}, expected as many of both",
                unet.encoder.size(), unet.decoder.size());
@@ -106,18 +112,23 @@ void check_config(const NetworkConfig& config) {
   check_use(config);
 }
 
-}  // namespace
-
 torch::Tensor Network::forward(NetworkInput input) {
-  input = admit(std::move(input));
+  check_input(input, config_);
+  // Admitted at once: strips that overlap would go through it more than once.
+  const int64_t height = input.features.size(3);
+  input = admit(WholeInput(std::move(input))).rows(0, height);
   const double largest =
       at::GradMode::is_enabled() ? input.radiance.detach().max().item<double>() : 0;  // finite now
-  torch::Tensor output = denoise(std::move(input));
+  torch::Tensor output = denoise(WholeInput(std::move(input)));
   if (largest > 1e15 && output.requires_grad()) {
     const double bound = 1e30 / largest;
     output.register_hook([bound](const torch::Tensor& gradient) { return gradient.clamp(-bound, bound); });
   }
   return output;
+}
+
+torch::Tensor Network::forward(const InputSource& input) {
+  return denoise(admit(input));
 }
 
 std::vector<std::string> network_names() {
@@ -127,7 +138,7 @@ std::vector<std::string> network_names() {
 }
 
 std::shared_ptr<Network> make_network(const NetworkConfig& config) {
-  check_config(config);
+  check_network(config);
   return registry().at(config.name).make(config);
 }
 

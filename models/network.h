@@ -26,20 +26,25 @@ class Network : public torch::nn::Module {
   /// with the radiance, which is what reaches the kernels, stays below 1e30: sums of larger ones overflow.
   torch::Tensor forward(NetworkInput input);
 
+  /// The same of an input that comes in strips. Without a gradient to keep, nothing of full resolution exists
+  /// for the whole picture but the result (and what keeping makes faster, models/row_strips.h).
+  torch::Tensor forward(const InputSource& input);
+
   /// What was wrong with the input of the last call.
   const InputFaults& faults() const { return faults_; }
 
   const NetworkConfig& config() const { return config_; }
 
+  /// What forward() of an InputSource takes for float32 pictures of this size, in strips of StripBytes: its
+  /// largest sum of tensors at a time, the result included; an estimate from above.
+  virtual int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const = 0;
+
  protected:
-  /// The input checked and sanitised: every way into a network leads through here.
-  NetworkInput admit(NetworkInput input) {
-    check_input(input, config_);
-    return sanitise(std::move(input), faults_);
-  }
+  /// The input checked and made safe: every way into a network leads through here.
+  AdmittedInput admit(const InputSource& input) { return {input, config_, faults_}; }
 
  private:
-  virtual torch::Tensor denoise(NetworkInput input) = 0;
+  virtual torch::Tensor denoise(const InputSource& input) = 0;
 
   NetworkConfig config_;
   InputFaults faults_;
@@ -48,6 +53,9 @@ class Network : public torch::nn::Module {
 /// Throws UsageError for an unknown name or sizes that do not fit together. Weights are uninitialised until
 /// initialise_xavier() or a weight file fills them.
 std::shared_ptr<Network> make_network(const NetworkConfig& config);
+
+/// Throws what make_network() throws, without making anything: a configuration may come from a damaged file.
+void check_network(const NetworkConfig& config);
 
 std::vector<std::string> network_names();
 

@@ -19,11 +19,17 @@ class OptimizedNetwork : public LayeredNetwork {
  public:
   explicit OptimizedNetwork(const NetworkConfig& config);
 
+  int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const override;
+
  private:
-  torch::Tensor denoise(NetworkInput input) override;
-  torch::Tensor upscale(const torch::Tensor& coarse, int64_t level, int64_t height, int64_t width) const;
-  torch::Tensor received(const PyramidLevel& level) const;
-  torch::Tensor level_logits(const PyramidLevel& finest, const torch::Tensor& context) const;
+  struct Levels;  // what the levels come to, each at its resolution
+
+  torch::Tensor denoise(const InputSource& input) override;
+  Levels filter_levels(const InputSource& input) const;
+  torch::Tensor blend_rows(const Levels& levels, int64_t begin, int64_t end, int64_t width) const;
+  torch::Tensor upscale(const torch::Tensor& coarse, int64_t level, int64_t begin, int64_t end,
+                        int64_t width) const;
+  torch::Tensor received(const torch::Tensor& pixels) const;
 
   std::vector<std::shared_ptr<KernelGenerator>> kernel_generators_;  // finest first
 };

@@ -14,7 +14,7 @@ class PixelGatherNetwork : public PixelNetwork {
  private:
   torch::Tensor filter(const FullyConnectedWeights& generator, const torch::Tensor& embedding,
                        const torch::Tensor& context, const torch::Tensor& log_n,
-                       const torch::Tensor& radiance) const override {
+                       const torch::Tensor& radiance, int64_t /*first_row*/) const override {
     return generated_gather(generator, embedding, context, log_n, radiance);
   }
 };

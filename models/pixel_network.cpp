@@ -14,16 +14,51 @@ PixelNetwork::PixelNetwork(const NetworkConfig& config)
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
-Tensor PixelNetwork::denoise(NetworkInput input) {
-  const Tensor statistics = sample_statistics(input.features, input.valid);
-  input.features = Tensor();
-  const Tensor embedding = sample_reducer_->forward(statistics);     // of the pixel
-  const Tensor context = unet_->forward(embedding.squeeze(1));       // C_xy
-  const Tensor radiance = masked_mean(input.radiance, input.valid);  // the pixel aggregate
-  const Tensor drawn = input.valid.ne(0).any(1).squeeze(1);
-  const Tensor log_n = at::zeros(drawn.sizes(), radiance.options())
-                           .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
-  return filter(kernel_generator_->weights(), embedding, context, log_n, radiance);
+Tensor PixelNetwork::denoise(const InputSource& input) {
+  const InputSource::Sizes sizes = input.sizes();
+  const PictureSize size = {sizes.batch, sizes.height, sizes.width};
+  const int64_t sample_bytes = sizes.batch * sizes.samples * sizes.width * sizes.element_bytes *
+                               (2 * (channel_count(config().features) + 4));
+  const auto embedding_rows = [&](int64_t begin, int64_t end) {
+    return in_strips(
+        begin, end, short_strip_rows(end - begin, sample_bytes), [&](int64_t first, int64_t last) {
+          const NetworkInput strip = input.rows(first, last);
+          return std::vector<Tensor>{
+              sample_reducer_->forward(sample_statistics(strip.features, strip.valid)).squeeze(1)};
+        })[0];  // of the pixel, [B, E, rows, W]
+  };
+  const Context context = make_context(embedding_rows, input, 1);
+  return in_reaching_strips(
+      size.height, second_half_rows(size, row_bytes(size)), config().kernel_size / 2,
+      [&](int64_t begin, int64_t end) {
+        std::vector<Tensor> made = in_strips(
+            begin, end, short_strip_rows(end - begin, sample_bytes), [&](int64_t first, int64_t last) {
+              const NetworkInput strip = input.rows(first, last);
+              const Tensor drawn = strip.valid.ne(0).any(1);  // [B, 1, rows, W]
+              const Tensor log_n =
+                  at::zeros(drawn.sizes(), strip.radiance.options())
+                      .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
+              return std::vector<Tensor>{log_n, masked_mean(strip.radiance, strip.valid)};  // the aggregate
+            });
+        made.push_back(context_rows(context, begin, end));  // C_xy
+        made.push_back(context.picture(begin, end));
+        return made;
+      },
+      [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
+        const Tensor filtered = filter(kernel_generator_->weights(), made[3].unsqueeze(1), made[2],
+                                       made[0].squeeze(1), made[1], first);
+        return std::vector<Tensor>{rows(filtered, begin - first, end - first)};
+      })[0];
+}
+
+int64_t PixelNetwork::row_bytes(const PictureSize& size) const {
+  return 2 * size.batch * (config().unet.context + config().sample_reducer.back() + 32) * size.width *
+         int64_t(sizeof(float));
+}
+
+int64_t PixelNetwork::memory_bytes(int64_t, int64_t height, int64_t width) const {
+  const PictureSize size = {1, height, width};
+  return memory_of(size, 1, row_bytes(size), 3 * height * width * int64_t(sizeof(float)));
 }
 
 }  // namespace ld

@@ -11,14 +11,18 @@ class PixelNetwork : public ContextNetwork {
  protected:
   explicit PixelNetwork(const NetworkConfig& config);
 
+ public:
+  int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const override;
+
  private:
-  torch::Tensor denoise(NetworkInput input) override;
+  torch::Tensor denoise(const InputSource& input) override;
+  int64_t row_bytes(const PictureSize& size) const;
 
   /// embedding [B, 1, E, H, W], context [B, C, H, W], log_n [B, H, W] (0, or -inf for a pixel without
-  /// samples), radiance [B, 3, H, W] -> [B, 3, H, W].
+  /// samples), radiance [B, 3, H, W] -> [B, 3, H, W]. `first_row` as in ops/generated_filter.h.
   virtual torch::Tensor filter(const FullyConnectedWeights& generator, const torch::Tensor& embedding,
                                const torch::Tensor& context, const torch::Tensor& log_n,
-                               const torch::Tensor& radiance) const = 0;
+                               const torch::Tensor& radiance, int64_t first_row) const = 0;
 
   std::shared_ptr<KernelGenerator> kernel_generator_;
 };

@@ -14,8 +14,9 @@ class PixelSplatNetwork : public PixelNetwork {
  private:
   torch::Tensor filter(const FullyConnectedWeights& generator, const torch::Tensor& embedding,
                        const torch::Tensor& context, const torch::Tensor& log_n,
-                       const torch::Tensor& radiance) const override {
-    return generated_splat(generator, embedding, context, log_n.unsqueeze(1), radiance.unsqueeze(1))
+                       const torch::Tensor& radiance, int64_t first_row) const override {
+    return generated_splat(generator, embedding, context, log_n.unsqueeze(1), radiance.unsqueeze(1),
+                           first_row)
         .squeeze(1);
   }
 };

@@ -4,6 +4,7 @@
 #include <torch/torch.h>
 
 #include <algorithm>
+#include <functional>
 #include <vector>
 
 namespace ld {
@@ -29,41 +30,114 @@ class StripBytes {
   int64_t before_;
 };
 
-/// How many of `height` rows to take at a time (an even number, or all) when each needs `bytes_per_row`
-/// besides what it leaves behind, and strips must overlap. All of them where a gradient is kept: the graph
-/// holds everything anyway.
-inline int64_t strip_rows(int64_t height, int64_t bytes_per_row, int64_t parts = 1) {
+/// A strip has at least so many rows, whatever they take.
+constexpr int64_t kFewestStripRows = 16;
+
+/// How many of `height` rows to take at a time (a multiple of 8, or all) when each needs `bytes_per_row`
+/// besides what it leaves behind, and a strip reads `reach` rows more. All of them where a gradient is kept:
+/// the graph holds everything anyway.
+inline int64_t strip_rows(int64_t height, int64_t bytes_per_row, int64_t reach = 0, int64_t parts = 1) {
   if (at::GradMode::is_enabled()) return height;
-  const int64_t fitting = StripBytes::current() / parts / std::max<int64_t>(bytes_per_row, 1) / 2 * 2;
-  return std::min(height, std::max<int64_t>(fitting, 16));
+  const int64_t fitting = StripBytes::current() / parts / std::max<int64_t>(bytes_per_row, 1) - reach;
+  return std::min(height, std::max(fitting / 8 * 8, kFewestStripRows));
 }
 
 /// The same for work that needs no overlap: smaller strips, two to three times as fast because they stay in
 /// the cache (16 MB, measured from 1 to 256).
 inline int64_t short_strip_rows(int64_t height, int64_t bytes_per_row) {
-  return strip_rows(height, bytes_per_row, 16);
+  return strip_rows(height, bytes_per_row, 0, 16);
 }
 
-/// The tensors that body(begin, end) returns for strips of `step` rows, put together along their rows.
+/// Whether a picture that strips can make anew is worth the memory of keeping it.
+inline bool keeps_rows(int64_t bytes) {
+  return at::GradMode::is_enabled() || bytes <= 2 * StripBytes::current();
+}
+
+/// make(begin, end) itself, or what it makes of all rows, kept.
+inline std::function<torch::Tensor(int64_t, int64_t)> kept_rows(
+    const std::function<torch::Tensor(int64_t, int64_t)>& make, int64_t height, int64_t bytes) {
+  if (!keeps_rows(bytes)) return make;
+  return [whole = make(0, height)](int64_t begin, int64_t end) { return rows(whole, begin, end); };
+}
+
+/// Called with the share of the work that is done (0 to 1) after each strip, in the thread that the network
+/// runs in; may throw to end it. While one lives.
+class StripProgress {
+ public:
+  explicit StripProgress(std::function<void(double)> call) : before_(std::move(current())) {
+    current() = std::move(call);
+  }
+  ~StripProgress() { current() = std::move(before_); }
+  StripProgress(const StripProgress&) = delete;
+  StripProgress& operator=(const StripProgress&) = delete;
+  static std::function<void(double)>& current() {
+    static thread_local std::function<void(double)> call;
+    return call;
+  }
+
+ private:
+  std::function<void(double)> before_;
+};
+
+inline void strips_done(double share) {
+  if (StripProgress::current()) StripProgress::current()(share);
+}
+
+/// The tensors that body(begin, end) returns for strips of `step` rows of [first, last), put together along
+/// their rows, first row first.
 template <class Body>
-std::vector<torch::Tensor> in_strips(int64_t height, int64_t step, const Body& body) {
-  if (step >= height) return body(int64_t(0), height);
+std::vector<torch::Tensor> in_strips(int64_t first, int64_t last, int64_t step, const Body& body) {
+  if (step >= last - first) return body(first, last);
   std::vector<torch::Tensor> whole;
-  for (int64_t begin = 0; begin < height; begin += step) {
-    const int64_t end = std::min(begin + step, height);
+  for (int64_t begin = first; begin < last; begin += step) {
+    const int64_t end = std::min(begin + step, last);
     const std::vector<torch::Tensor> strip = body(begin, end);
     for (size_t i = 0; i < strip.size(); ++i) {
-      if (begin == 0) {
+      if (begin == first) {
         std::vector<int64_t> sizes = strip[i].sizes().vec();
-        sizes[sizes.size() - 2] = height;
+        sizes[sizes.size() - 2] = last - first;
         const bool picture = sizes.size() == 4;  // may have its channels last
         whole.push_back(at::empty(sizes, strip[i].options(),
                                   picture ? strip[i].suggest_memory_format() : at::MemoryFormat::Contiguous));
       }
-      rows(whole[i], begin, end).copy_(strip[i]);
+      rows(whole[i], begin - first, end - first).copy_(strip[i]);
     }
   }
   return whole;
+}
+template <class Body>
+std::vector<torch::Tensor> in_strips(int64_t height, int64_t step, const Body& body) {
+  return in_strips(0, height, step, body);
+}
+
+/// Strips whose work reaches `reach` rows beyond them. make(begin, end) makes what it reads, each row once:
+/// what two strips share is kept from one to the next. use(made, first, begin, end) returns the result of
+/// rows [begin, end); row 0 of `made` is row `first` of the picture.
+template <class Make, class Use>
+std::vector<torch::Tensor> in_reaching_strips(int64_t height, int64_t step, int64_t reach, const Make& make,
+                                              const Use& use) {
+  std::vector<torch::Tensor> made;
+  int64_t made_first = 0, made_last = 0;
+  return in_strips(height, step, [&](int64_t begin, int64_t end) {
+    const int64_t first = std::max<int64_t>(begin - reach, 0), last = std::min(end + reach, height);
+    for (torch::Tensor& t : made) t = rows(t, first - made_first, made_last - made_first).clone();
+    if (made_last < last) {
+      std::vector<torch::Tensor> next = make(made_last, last);
+      if (made.empty()) {
+        made = std::move(next);
+      } else {
+        for (size_t i = 0; i < made.size(); ++i) {
+          made[i] = at::cat({made[i], next[i]}, made[i].dim() - 2);
+          next[i] = torch::Tensor();
+        }
+      }
+    }
+    made_first = first;
+    made_last = last;
+    std::vector<torch::Tensor> result = use(made, first, begin, end);
+    strips_done(0.5 + 0.5 * double(end) / double(height));
+    return result;
+  });
 }
 
 }  // namespace ld

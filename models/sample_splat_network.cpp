@@ -20,6 +20,21 @@ Tensor with_valid_features(const Tensor& features, const Tensor& valid) {
   return features.gather(1, at::where(drawn, own, first).expand(features.sizes()));
 }
 
+/// The input with those.
+class ValidFeatures : public InputSource {
+ public:
+  explicit ValidFeatures(const InputSource& input) : input_(input) {}
+  Sizes sizes() const override { return input_.sizes(); }
+  NetworkInput rows(int64_t begin, int64_t end) const override {
+    NetworkInput strip = input_.rows(begin, end);
+    strip.features = with_valid_features(strip.features, strip.valid);
+    return strip;
+  }
+
+ private:
+  const InputSource& input_;
+};
+
 }  // namespace
 
 SampleSplatNetwork::SampleSplatNetwork(const NetworkConfig& config)
@@ -27,21 +42,40 @@ SampleSplatNetwork::SampleSplatNetwork(const NetworkConfig& config)
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
-Tensor SampleSplatNetwork::denoise(NetworkInput input) {
-  input.features = with_valid_features(input.features, input.valid);
-  const SampleEmbeddings embeddings(*sample_reducer_, std::move(input.features));  // E_xys
-  const Tensor context = unet_->forward(embeddings.mean(input.valid));             // C_xy
-  const Tensor log_n = at::zeros_like(input.valid)
-                           .masked_fill(input.valid.eq(0), -std::numeric_limits<double>::infinity())
-                           .squeeze(2);
-  const int64_t radius = config().kernel_size / 2, height = embeddings.height();
-  return in_strips(height, strip_rows(height, embeddings.row_bytes()), [&](int64_t begin, int64_t end) {
-    const int64_t first = std::max<int64_t>(begin - radius, 0), last = std::min(end + radius, height);
-    const Tensor filtered = generated_splat_joint(
-        kernel_generator_->weights(), embeddings.of_rows(first, last), rows(context, first, last),
-        rows(log_n, first, last), rows(input.radiance, first, last));
-    return std::vector<Tensor>{rows(filtered, begin - first, end - first)};
-  })[0];
+Tensor SampleSplatNetwork::denoise(const InputSource& given) {
+  const ValidFeatures input(given);
+  const SampleEmbeddings embeddings(*sample_reducer_, input);  // E_xys
+  const Context context =
+      make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
+  const InputSource::Sizes sizes = input.sizes();
+  const PictureSize size = {sizes.batch, sizes.height, sizes.width};
+  return in_reaching_strips(
+      size.height, second_half_rows(size, row_bytes(size, sizes.samples)), config().kernel_size / 2,
+      [&](int64_t begin, int64_t end) {
+        return std::vector<Tensor>{context_rows(context, begin, end)};  // C_xy
+      },
+      [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
+        const int64_t last = first + made[0].size(2);
+        NetworkInput strip = input.rows(first, last);
+        const Tensor embedding = embeddings.of_rows(strip, first, last);
+        strip.features = Tensor();
+        const Tensor log_n = at::zeros_like(strip.valid)
+                                 .masked_fill(strip.valid.eq(0), -std::numeric_limits<double>::infinity())
+                                 .squeeze(2);
+        const Tensor filtered = generated_splat_joint(kernel_generator_->weights(), embedding, made[0], log_n,
+                                                      strip.radiance, first);
+        return std::vector<Tensor>{rows(filtered, begin - first, end - first)};
+      })[0];
+}
+
+int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) const {
+  const int64_t of_sample = 2 * (channel_count(config().features) + 4) + config().sample_reducer.back() + 8;
+  return size.batch * (2 * config().unet.context + samples * of_sample) * size.width * int64_t(sizeof(float));
+}
+
+int64_t SampleSplatNetwork::memory_bytes(int64_t samples, int64_t height, int64_t width) const {
+  const PictureSize size = {1, height, width};
+  return memory_of(size, 1, row_bytes(size, samples), 3 * height * width * int64_t(sizeof(float)));
 }
 
 }  // namespace ld

@@ -19,6 +19,20 @@ namespace ld {
 /// is no sample.
 NetworkInput make_network_input(const std::vector<Frame>& frames, const std::vector<std::string>& features);
 
+/// A frame as networks read it, encoded as its rows are asked for. The frame must outlive it.
+class FrameInput : public InputSource {
+ public:
+  /// Throws Error for a frame without samples, pixels or depth scale.
+  FrameInput(const Frame& frame, const std::vector<std::string>& features);
+  Sizes sizes() const override;
+  NetworkInput rows(int64_t begin, int64_t end) const override;
+  NetworkInput radiance_rows(int64_t begin, int64_t end) const override;
+
+ private:
+  const Frame& frame_;
+  std::vector<std::string> features_;
+};
+
 struct Batch {
   NetworkInput input;
   torch::Tensor reference;  // [B, 3, H, W] linear

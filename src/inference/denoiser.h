@@ -1,17 +1,47 @@
 // The separate inference program's engine: weights in, frames in, images out. No trainer, no autograd graph.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "frame/frame.h"
 
 namespace ld {
 
 class Network;
 struct NetworkConfig;
+
+/// How a frame is denoised; nothing here changes a bit of the result but where max_memory_bytes says so.
+struct DenoiseOptions {
+  /// What the process may take while it denoises, the frame itself aside: program, libraries, weights and
+  /// everything that is computed. 0: no limit. The result does not depend on it but for rounding (1e-5
+  /// relative).
+  int64_t max_memory_bytes = 0;
+  /// Called from the calling thread with the share that is done, 0 to 1, a few dozen times a frame.
+  std::function<void(double)> progress;
+  /// Asked as often; true ends denoise() with Cancelled.
+  std::function<bool()> cancel;
+};
+
+/// What denoise() throws when DenoiseOptions::cancel said so.
+class Cancelled : public Error {
+ public:
+  Cancelled() : Error("cancelled") {}
+};
+
+/// A layer of a layered network, for looking ([MH20] figure 3 and 8; models/layer_network.h has the terms).
+struct LayerPicture {
+  Image unfiltered;    // L_l / n_l [3, H, W]
+  Image radiance;      // filtered L_l over filtered n_l, eq. 4 [3, H, W]: premultiplied with alpha
+  Image alpha;         // filtered w_l over filtered n_l, eq. 4 [1, H, W]
+  Image weight;        // the share of the layer's colour in the output [1, H, W]; the sum over layers is 1
+  Image contribution;  // what the layer adds to the output [3, H, W]; the sum over layers is the output
+};
 
 class Denoiser {
  public:
@@ -25,10 +55,23 @@ class Denoiser {
   const std::vector<std::string>& features() const;
   const NetworkConfig& network_config() const;
 
-  /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. Takes the frame
-  /// so that its memory is free as soon as the samples are encoded, and theirs as soon as the network has
-  /// read them: hand over large frames with std::move. Not for several threads at once.
-  Image denoise(Frame frame) const;
+  /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. The frame has
+  /// been sanitised (read_frame and import_frame do) and has a depth scale. Its samples are encoded strip by
+  /// strip as the network reads them: no second copy of them is made. Throws Error for a frame without
+  /// samples and for a budget that is too small, naming the smallest that will do; Cancelled. Not for several
+  /// threads at once.
+  Image denoise(const Frame& frame, const DenoiseOptions& options = {}) const;
+
+  /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
+  int64_t least_memory_bytes(int width, int height, int spp) const;
+
+  /// Front to back. Throws UsageError unless the network is "layer".
+  std::vector<LayerPicture> layers(const Frame& frame, const DenoiseOptions& options = {}) const;
+
+  /// The kernels that pixel (x, y) scatters its light with, one [1, K, K] for each layer, as shares of all
+  /// that it sends: they add up to 1 over layers and taps. Throws UsageError unless the network is "layer",
+  /// and for a pixel outside.
+  std::vector<Image> kernels_at(const Frame& frame, int x, int y) const;
 
  private:
   std::shared_ptr<Network> network_;

@@ -1,0 +1,81 @@
+#include "models/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "frame/schema.h"
+#include "ops/tone_map.h"
+
+namespace ld {
+
+using torch::Tensor;
+
+namespace {
+
+constexpr double kMiddleGrey = 0.18;
+constexpr double kLargestRadiance = 65504;  // half's range, as of all features
+
+/// First channel of the feature among the named ones; -1 when it is not one of them.
+int64_t first_channel(const std::vector<std::string>& features, const std::string& wanted) {
+  int64_t channel = 0;
+  for (const std::string& name : features) {
+    if (name == wanted) return channel;
+    channel += find_feature(name).channels;
+  }
+  return -1;
+}
+
+}  // namespace
+
+void LogAverage::add(const Tensor& radiance, const Tensor& valid) {
+  const Tensor light = radiance.detach().to(torch::kFloat64).clamp_min(0);
+  const Tensor good = valid.detach().ne(0).squeeze(2).logical_and(light.isfinite().all(2));  // [B, S, H, W]
+  const Tensor luminance =
+      (0.2126 * light.select(2, 0) + 0.7152 * light.select(2, 1) + 0.0722 * light.select(2, 2))
+          .masked_fill(good.logical_not(), 0);
+  const Tensor mean = (luminance.sum(1) / good.sum(1).clamp_min(1)).contiguous();  // [B, H, W]
+  const int64_t pixels = mean.size(1) * mean.size(2);
+  const double* value = mean.data_ptr<double>();
+  for (Sum& sum : pictures_)
+    for (int64_t p = 0; p < pixels; ++p, ++value) {
+      if (!(*value > 0)) continue;
+      int exponent = 0;
+      sum.mantissas += std::log2(std::frexp(*value, &exponent));
+      sum.exponents += exponent;
+      ++sum.pixels;
+    }
+}
+
+Tensor LogAverage::exposure() const {
+  const Tensor exposure = torch::ones({int64_t(pictures_.size())}, torch::kFloat64);
+  for (size_t b = 0; b < pictures_.size(); ++b) {
+    const Sum& sum = pictures_[b];
+    if (sum.pixels == 0) continue;
+    // The mean is whole + fraction: a power of two in the radiance changes `whole` and nothing else.
+    int64_t whole = sum.exponents / sum.pixels, rest = sum.exponents % sum.pixels;
+    if (rest < 0) {
+      rest += sum.pixels;
+      --whole;
+    }
+    const double fraction = (double(rest) + sum.mantissas) / double(sum.pixels);
+    exposure[int64_t(b)] = std::ldexp(kMiddleGrey * std::exp2(-fraction), int(-whole));
+  }
+  return exposure;
+}
+
+NetworkInput with_exposure(NetworkInput input, const Tensor& exposure, const NetworkConfig& config) {
+  const int64_t first = first_channel(config.features, "radiance");
+  if (first < 0) return input;
+  // In doubles: neither an exposure of 1e37 nor radiance of 3e38 leaves their range.
+  const Tensor exposed = (input.radiance.detach().to(torch::kFloat64) * exposure.view({-1, 1, 1, 1, 1}))
+                             .clamp_max(kLargestRadiance)
+                             .to(input.features.scalar_type());
+  const Tensor seen = tone_map(exposed).masked_fill(input.valid.eq(0), 0);
+  const int64_t channels = input.features.size(2);
+  input.features = at::cat(
+      {input.features.narrow(2, 0, first), seen, input.features.narrow(2, first + 3, channels - first - 3)},
+      2);
+  return input;
+}
+
+}  // namespace ld
