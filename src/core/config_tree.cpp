@@ -7,11 +7,14 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/shown_text.h"
 
 namespace ld {
 namespace {
 
 constexpr size_t kDeepest = 16;
+constexpr size_t kMostKeys = 1000;  // in one map: each new one is compared with all
+constexpr size_t kMostBytes = size_t{1} << 20;
 
 /// Builds the tree from the parser's events; the events carry the line of each value.
 class TreeBuilder : public YAML::EventHandler {
@@ -61,7 +64,8 @@ class TreeBuilder : public YAML::EventHandler {
     if (anchor != 0)
       fail_usage("{}: found an anchor (&name); anchors and aliases are not supported, write the value out",
                  at(mark));
-    if (!tag.empty()) fail_usage("{}: found the tag '{}'; tags are not supported, remove it", at(mark), tag);
+    if (!tag.empty())
+      fail_usage("{}: found the tag '{}'; tags are not supported, remove it", at(mark), shown(tag));
   }
 
   void scalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value,
@@ -70,8 +74,10 @@ class TreeBuilder : public YAML::EventHandler {
     if (!levels_.empty() && levels_.back().node.kind == ConfigNode::Kind::map && !levels_.back().has_key) {
       Level& level = levels_.back();
       if (const ConfigNode* earlier = level.node.find(value))
-        fail_usage("{}: duplicate key '{}', first given at {}; remove one of them", at(mark), value,
+        fail_usage("{}: duplicate key '{}', first given at {}; remove one of them", at(mark), shown(value),
                    earlier->origin);
+      if (level.node.entries.size() >= kMostKeys)
+        fail_usage("{}: more than {} keys in one map; is it the right kind of file?", at(mark), kMostKeys);
       level.key = value;
       level.has_key = true;
       level.key_mark = mark;
@@ -121,6 +127,9 @@ class TreeBuilder : public YAML::EventHandler {
 };
 
 ConfigNode parse_value(const std::string& text, const std::string& name) {
+  if (text.size() > kMostBytes)
+    fail_usage("{}: {} bytes; expected at most {}; is it the right kind of file?", name, text.size(),
+               kMostBytes);
   std::istringstream stream(text);
   TreeBuilder builder(name);
   try {
@@ -129,7 +138,7 @@ ConfigNode parse_value(const std::string& text, const std::string& name) {
     TreeBuilder rest(name);
     if (parser.HandleNextDocument(rest)) fail_usage("{}: found a second document (---); expected one", name);
   } catch (const YAML::Exception& error) {
-    fail_usage("{}:{}: not valid YAML: {}", name, error.mark.line + 1, error.msg);
+    fail_usage("{}:{}: not valid YAML: {}", name, error.mark.line + 1, shown(error.msg, 200));
   }
   return builder.take();
 }
@@ -152,13 +161,13 @@ ConfigNode parse_config(const std::string& text, const std::string& name) {
 }
 
 ConfigNode read_config(const std::filesystem::path& path) {
-  return parse_config(read_file(path, uint64_t{1} << 20), path.string());
+  return parse_config(read_file(path, kMostBytes), path.string());
 }
 
 void apply_override(ConfigNode& root, const std::string& assignment) {
   const size_t equals = assignment.find('=');
   if (equals == 0 || equals == std::string::npos)
-    fail_usage("command line: expected key.sub=value, found '{}'", assignment);
+    fail_usage("command line: expected key.sub=value, found '{}'", shown(assignment));
   const std::string origin = "command line";
   ConfigNode value = parse_value(assignment.substr(equals + 1), origin);
   ConfigNode* node = &root;

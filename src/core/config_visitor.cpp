@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/shown_text.h"
 
 namespace ld {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 std::string found_text(const ConfigNode& node) {
   if (node.kind == ConfigNode::Kind::list) return "a list";
   if (node.kind == ConfigNode::Kind::map) return "a map";
-  return node.text.empty() ? "nothing" : fmt::format("'{}'", node.text);
+  return node.text.empty() ? "nothing" : fmt::format("'{}'", shown(node.text));
 }
 
 [[noreturn]] void wrong(const ConfigNode& node, const std::string& key, const std::string& expected) {
@@ -73,8 +74,12 @@ std::string yaml_text(const std::string& text) {
   if (plain) return text;
   std::string result = "\"";
   for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\') result += '\\';
-    result += c;
+    if (byte < 32 || byte == 127)
+      result += fmt::format("\\x{:02x}", byte);
+    else
+      result += c;
   }
   return result + "\"";
 }
@@ -167,7 +172,7 @@ void ConfigReader::finish() const {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     const std::string nearest = nearest_word(key, known_);
     const std::string advice = nearest.empty() ? "" : fmt::format("did you mean '{}'? ", path_ + nearest);
-    fail_usage("{}: unknown key '{}'; {}known here: {}", node.origin, path_ + key, advice,
+    fail_usage("{}: unknown key '{}'; {}known here: {}", node.origin, path_ + shown(key), advice,
                fmt::join(known_, ", "));
   }
 }

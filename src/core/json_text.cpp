@@ -4,29 +4,74 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/shown_text.h"
 
 namespace ld {
+namespace {
 
-nlohmann::json parse_json(const std::string& text, const std::string& name) {
-  using nlohmann::json;
-  constexpr int kDeepest = 32;
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
-  const auto watch = [&](int depth, json::parse_event_t event, json& parsed) {
-    if (depth > kDeepest)
-      fail("{}: JSON nested more than {} deep; is it the right kind of file?", name, kDeepest);
-    if (event == json::parse_event_t::object_start) keys.emplace_back();
-    if (event == json::parse_event_t::object_end) keys.pop_back();
-    if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      fail("{}: duplicate key \"{}\"; remove one of them", name, parsed.get<std::string>());
+using nlohmann::json;
+
+/// Looks for what json::parse() lets pass. (Its own callback takes time that grows with the square of the
+/// number of objects in an object.)
+class Watcher : public nlohmann::json_sax<json> {
+ public:
+  explicit Watcher(const std::string& name) : name_(name) {}
+
+  bool start_object(std::size_t) override {
+    keys_.emplace_back();
+    return enter();
+  }
+  bool end_object() override {
+    keys_.pop_back();
+    return leave();
+  }
+  bool start_array(std::size_t) override { return enter(); }
+  bool end_array() override { return leave(); }
+  bool key(string_t& key) override {
+    if (!keys_.back().insert(key).second)
+      fail("{}: duplicate key \"{}\"; remove one of them", name_, shown(key));
     return true;
-  };
+  }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  /// json::parse() meets the same error and says it.
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override { return false; }
+
+ private:
+  bool enter() {
+    constexpr int kDeepest = 32;
+    if (++depth_ > kDeepest)
+      fail("{}: JSON nested more than {} deep; is it the right kind of file?", name_, kDeepest);
+    return true;
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+
+  const std::string& name_;
+  std::vector<std::set<std::string>> keys_;  // of the objects that are open
+  int depth_ = 0;
+};
+
+}  // namespace
+
+json parse_json(const std::string& text, const std::string& name) {
   try {
-    return json::parse(text, watch);
+    Watcher watcher(name);
+    json::sax_parse(text, &watcher);
+    return json::parse(text);
   } catch (const json::exception& error) {
     // nlohmann's texts start with "[json.exception.parse_error.101] ".
     const std::string what = error.what();
     const size_t bracket = what.find("] ");
-    fail("{}: not valid JSON: {}", name, bracket == std::string::npos ? what : what.substr(bracket + 2));
+    fail("{}: not valid JSON: {}", name,
+         shown(bracket == std::string::npos ? what : what.substr(bracket + 2), 200));
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/json_text.h"
+#include "core/shown_text.h"
 #include "weights/safetensors.h"
 
 namespace ld {
@@ -51,7 +52,7 @@ DType dtype_of(const std::string& name, const std::string& where) {
   if (name == "F64") return DType::f64;
   if (name == "I64") return DType::i64;
   if (name == "U8") return DType::u8;
-  fail("{}: dtype \"{}\"; expected one of F16, F32, F64, I64, U8; convert the tensor", where, name);
+  fail("{}: dtype \"{}\"; expected one of F16, F32, F64, I64, U8; convert the tensor", where, shown(name));
 }
 
 /// A list of whole numbers >= 0 that fit int64.
@@ -62,7 +63,7 @@ std::vector<int64_t> whole_numbers(const json& entry, const char* key, const std
   for (const json& number : *it) {
     if (!number.is_number_unsigned() || number.get<uint64_t>() > uint64_t{INT64_MAX})
       fail("{}: \"{}\" holds {}; expected whole numbers of at least 0; the file is damaged", where, key,
-           number.dump());
+           shown(number.dump(-1, ' ', false, json::error_handler_t::replace)));
     numbers.push_back(number.get<int64_t>());
   }
   return numbers;
@@ -83,7 +84,7 @@ TensorView parse_entry(const std::string& name, const json& entry, const char* d
   for (const auto& item : entry.items())
     if (item.key() != "dtype" && item.key() != "shape" && item.key() != "data_offsets")
       fail("{}: unknown key \"{}\"; expected dtype, shape and data_offsets; the file is damaged", where,
-           item.key());
+           shown(item.key()));
   const auto dtype = entry.find("dtype");
   if (dtype == entry.end() || !dtype->is_string()) fail("{}: no text \"dtype\"; the file is damaged", where);
   TensorView tensor;
@@ -95,11 +96,11 @@ TensorView parse_entry(const std::string& name, const json& entry, const char* d
     fail(
         "{}: \"data_offsets\" is {}; expected [begin, end] within the {} bytes of data; the file is damaged "
         "or cut short",
-        where, entry.at("data_offsets").dump(), data_bytes);
+        where, shown(entry.at("data_offsets").dump()), data_bytes);
   const int64_t expected = shape_bytes(tensor.shape, tensor.type);
   if (expected != offsets[1] - offsets[0])
     fail("{}: shape {} of {} takes {} bytes, but data_offsets span {}; the file is damaged", where,
-         entry.at("shape").dump(), dtype->get<std::string>(),
+         shown(entry.at("shape").dump()), dtype->get<std::string>(),
          expected < 0 ? std::string("more than 2^63") : std::to_string(expected), offsets[1] - offsets[0]);
   tensor.data = data + offsets[0];
   tensor.bytes = static_cast<size_t>(expected);
@@ -111,7 +112,8 @@ Metadata parse_metadata(const json& entry, const std::string& where) {
   Metadata metadata;
   for (const auto& item : entry.items()) {
     if (!item.value().is_string())
-      fail("{}: \"{}\" is {}; the format allows texts only", where, item.key(), item.value().type_name());
+      fail("{}: \"{}\" is {}; the format allows texts only", where, shown(item.key()),
+           item.value().type_name());
     metadata[item.key()] = item.value().get<std::string>();
   }
   return metadata;
@@ -133,7 +135,7 @@ void check_layout(std::vector<TensorView>& tensors, const char* data, size_t dat
           "{}: tensor \"{}\" begins at byte {} of the data; expected {}, where the one before it ends; the "
           "tensors {}; the "
           "file is damaged",
-          file, tensor.name, begin(tensor), end, begin(tensor) < end ? "overlap" : "leave a gap");
+          file, shown(tensor.name), begin(tensor), end, begin(tensor) < end ? "overlap" : "leave a gap");
     end += tensor.bytes;
   }
   if (end != data_bytes)
@@ -165,7 +167,7 @@ SafetensorsFile::SafetensorsFile(const std::filesystem::path& path) : path_(path
       metadata_ = parse_metadata(item.value(), file + ": __metadata__");
     else
       tensors_.push_back(parse_entry(item.key(), item.value(), data, data_bytes,
-                                     fmt::format("{}: tensor \"{}\"", file, item.key())));
+                                     fmt::format("{}: tensor \"{}\"", file, shown(item.key()))));
   }
   check_layout(tensors_, data, data_bytes, file);
   std::swap(map_, mapping.data);
@@ -183,7 +185,7 @@ const TensorView& SafetensorsFile::tensor(const std::string& name) const {
   for (const TensorView& tensor : tensors_) names.push_back(tensor.name);
   const std::string nearest = nearest_word(name, names);
   fail("{}: no tensor \"{}\" among its {}{}; was it made by another network?", path_.string(), name,
-       tensors_.size(), nearest.empty() ? "" : fmt::format(" (nearest: \"{}\")", nearest));
+       tensors_.size(), nearest.empty() ? "" : fmt::format(" (nearest: \"{}\")", shown(nearest)));
 }
 
 const std::string& SafetensorsFile::metadata_value(const std::string& key) const {

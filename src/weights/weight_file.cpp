@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/json_text.h"
+#include "core/shown_text.h"
 #include "frame/schema.h"
 
 namespace ld {
@@ -20,7 +21,7 @@ int version_value(const SafetensorsFile& file, const std::string& key, int newes
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), version);
   if (error != std::errc() || stop != text.data() + text.size() || version < 1)
     fail("{}: metadata: \"{}\" is \"{}\"; expected a whole number of at least 1", file.path().string(), key,
-         text);
+         shown(text));
   if (version > newest)
     fail("{}: metadata: \"{}\" is {}; this program knows versions up to {}; use a newer version of it",
          file.path().string(), key, version, newest);
@@ -38,7 +39,7 @@ NetworkConfig parse_network(const SafetensorsFile& file) {
     // Nobody typed this network on a command line: it is the file that is wrong. A text of parse_config
     // already names the file.
     const std::string text = error.what();
-    fail("{}{}", text.rfind(name, 0) == 0 ? "" : name + ": ", text);
+    fail("{}{}", text.rfind(name, 0) == 0 ? "" : name + ": ", shown(text, 500));
   }
 }
 
@@ -55,7 +56,8 @@ void compare_features(const SafetensorsFile& file, const NetworkConfig& network)
           "{}: made for another feature schema: it says \"{}\" (name, channels, encoding, scale) where this "
           "program has "
           "\"{}\"; use weights trained with this version, or the version they were trained with",
-          file.path().string(), has_theirs ? theirs : "nothing more", has_ours ? ours : "nothing more");
+          file.path().string(), has_theirs ? shown(theirs) : "nothing more",
+          has_ours ? ours : "nothing more");
   }
 }
 
@@ -83,7 +85,7 @@ WeightsHeader read_weights_header(const SafetensorsFile& file) {
         "with ld_train "
         "or ld_export",
         file.path().string(),
-        format == file.metadata().end() ? "nothing" : fmt::format("\"{}\"", format->second), kFormat);
+        format == file.metadata().end() ? "nothing" : fmt::format("\"{}\"", shown(format->second)), kFormat);
   version_value(file, "format_version", kFormatVersion);
   version_value(file, "schema_version", kSchemaVersion);
   WeightsHeader header;

@@ -10,14 +10,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstring>
-#include <fstream>
 
 #include "core/file_io.h"
 #include "core/random.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
+#include "tests/support/damage.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/temporary_folder.h"
@@ -28,57 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint32_t kTrials = 2000;
-constexpr double kLongest = 2;  // seconds for one file
-
-uint32_t below(RandomStream& random, size_t count) {
-  return random.below(static_cast<uint32_t>(std::max<size_t>(count, 1)));
-}
-
-/// Numbers that break arithmetic.
-void write_number(std::string& bytes, RandomStream& random, size_t limit) {
-  static const int64_t numbers[] = {0,         1,          -1,      2,         255,       65535,
-                                    65536,     16384,      16385,   INT32_MAX, INT32_MIN, INT64_MAX,
-                                    INT64_MIN, 0x7ffffff0, 1 << 30, 4096};
-  const int64_t number = numbers[below(random, std::size(numbers))];
-  const size_t size = random.below(2) == 0 ? 4 : 8;
-  if (bytes.size() < size) return;
-  std::memcpy(bytes.data() + below(random, std::min(bytes.size() - size + 1, limit)), &number, size);
-}
-
-/// One to four damages: bytes changed, cut off, inserted, doubled, taken out, numbers replaced.
-std::string damaged(const std::string& good, RandomStream& random) {
-  std::string bytes = good;
-  for (uint32_t more = 1 + random.below(4); more > 0; --more) {
-    const size_t at = below(random, bytes.size()),
-                 length = below(random, std::min<size_t>(bytes.size(), 400));
-    switch (random.below(8)) {
-      case 0:
-        bytes.resize(at);
-        break;
-      case 1:
-        bytes.insert(at, std::string(length, static_cast<char>(random.bits())));
-        break;
-      case 2:
-        bytes.insert(at, bytes.substr(below(random, bytes.size()), length));
-        break;
-      case 3:
-        bytes.erase(at, length);
-        break;
-      case 4:
-        write_number(bytes, random, bytes.size());
-        break;
-      case 5:
-        write_number(bytes, random, 600);  // within the header of the small files here
-        break;
-      case 6:
-        if (!bytes.empty()) bytes[at] = static_cast<char>(bytes[at] ^ (1 << random.below(8)));
-        break;
-      default:
-        if (!bytes.empty()) bytes[at] = static_cast<char>(random.bits());
-    }
-  }
-  return bytes;
-}
 
 void write_scan_lines(const fs::path& path, Imf::Compression compression) {
   Imf::Header header(9, 37);
@@ -130,69 +78,19 @@ bool read_whole(const fs::path& path, bool samples) {
   }
 }
 
-/// Runs `trial` for all numbers, none of them longer than kLongest.
-template <class Trial>
-void run_trials(const Trial& trial) {
-  for (uint32_t number = 0; number < kTrials; ++number) {
-    SCOPED_TRACE("trial " + std::to_string(number));
-    RandomStream random(7, RandomPurpose::test, number);
-    const auto start = std::chrono::steady_clock::now();
-    trial(number, random);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    EXPECT_LT(seconds, kLongest);
-    if (testing::Test::HasFailure()) return;
-  }
-}
-
 TEST(Fuzz, DamagedFramesAreReadOrGiveOneError) {
   const TemporaryFolder folder;
   const std::vector<std::string> files = good_files(folder.path());
   const fs::path path = folder / "fuzz.exr";
   int errors = 0;
-  run_trials([&](uint32_t number, RandomStream& random) {
+  run_trials(kTrials, [&](uint32_t number, RandomStream& random) {
     // Frames, which are what a data set consists of, half of the time.
     const size_t file = number % 2 == 0 ? number / 2 % 2 : 2 + number / 2 % (files.size() - 2);
-    std::ofstream(path, std::ios::binary) << damaged(files[file], random);
+    write_new_file(path, damaged(files[file], random));
     if (!read_whole(path, file < 2)) ++errors;
   });
   EXPECT_GT(errors, 1000);
   EXPECT_LT(errors, 2000) << "some damages do no harm";
-}
-
-/// Replaces one JSON token by another.
-std::string other_token(const std::string& text, RandomStream& random) {
-  static const char* tokens[] = {"null",
-                                 "true",
-                                 "-1",
-                                 "1e999",
-                                 "18446744073709551616",
-                                 "9223372036854775808",
-                                 "0.5",
-                                 "\"\"",
-                                 "\"..\"",
-                                 "\"a/../../b\"",
-                                 "\"/etc/passwd\"",
-                                 "[]",
-                                 "{}",
-                                 "[[[[]]]]",
-                                 "\"\\u0000\"",
-                                 "\"\\ud800\"",
-                                 "\"train\"",
-                                 "2",
-                                 "\xff",
-                                 "\"name\"",
-                                 ",",
-                                 ":"};
-  const std::string ends = " ,:[]{}\n";
-  const size_t start = text.find_first_not_of(ends, below(random, text.size()));
-  if (start == std::string::npos) return text;
-  const size_t end = std::min(text.find_first_of(ends, start), text.size());
-  std::string changed = text;
-  std::string token = tokens[below(random, std::size(tokens))];
-  if (random.below(20) == 0)
-    token = "\"" + std::string(5000, 'n') + "\"";  // longer than names of files may be
-  if (random.below(20) == 0) token = std::string(5000, random.below(2) == 0 ? '[' : '{');
-  return changed.replace(start, end - start, token);
 }
 
 TEST(Fuzz, DamagedManifestsAreReadOrGiveOneError) {
@@ -210,10 +108,10 @@ TEST(Fuzz, DamagedManifestsAreReadOrGiveOneError) {
   add_to_manifest(folder.path(), manifest);
   const std::string good = read_file(folder / "manifest.json");
   int errors = 0;
-  run_trials([&](uint32_t number, RandomStream& random) {
+  run_trials(kTrials, [&](uint32_t number, RandomStream& random) {
     std::string bytes = number % 2 == 0 ? damaged(good, random) : other_token(good, random);
     if (number % 4 == 3) bytes = other_token(bytes, random);
-    std::ofstream(folder / "manifest.json", std::ios::binary) << bytes;
+    write_new_file(folder / "manifest.json", bytes);
     try {
       for (const ManifestFrame& frame : read_manifest(folder.path()).frames) {
         const std::string text = error_text([&] { verify_frame(folder.path(), frame); });
@@ -292,7 +190,7 @@ TEST(Fuzz, SmallFilesThatDeclareHugeImagesTakeNoMemory) {
   const std::vector<std::string> files = good_files(folder.path());
   const fs::path path = folder / "huge.exr";
   const auto expect_little = [&](const std::string& what, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
+    write_new_file(path, bytes);
     for (const bool samples : {false, true}) {
       const int64_t kilobytes = growth_of([&] { read_whole(path, samples); });
       EXPECT_GE(kilobytes, 0) << what;
@@ -329,7 +227,7 @@ TEST(Fuzz, SmallFilesThatDeclareHugeImagesTakeNoMemory) {
       RandomStream random(8, RandomPurpose::test, number);
       std::string bytes = files[number % files.size()];
       for (int i = 0; i < 3; ++i) write_number(bytes, random, 600);
-      std::ofstream(path, std::ios::binary) << bytes;
+      write_new_file(path, bytes);
       read_whole(path, number % 2 == 0);
     }
   });

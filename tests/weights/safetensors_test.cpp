@@ -7,6 +7,7 @@
 
 #include "core/file_io.h"
 #include "core/random.h"
+#include "tests/support/damage.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,7 +95,7 @@ TEST(Safetensors, CutShortAtEveryLengthIsAnError) {
   write_safetensors(folder / "whole", sample.views(), {{"format", "test"}});
   const std::string bytes = read_file(folder / "whole");
   for (size_t length = 0; length < bytes.size(); ++length) {
-    std::ofstream(folder / "cut", std::ios::binary) << bytes.substr(0, length);
+    write_new_file(folder / "cut", bytes.substr(0, length));
     const std::string text = error_text([&] { SafetensorsFile file(folder / "cut"); });
     EXPECT_NE(text.find("cut: "), std::string::npos) << length << ": " << text;
     if (HasFailure()) return;
@@ -172,7 +173,7 @@ TEST(Safetensors, RandomBytesGiveAFileOrAnError) {
     std::string changed = bytes;
     for (uint32_t flips = 1 + random.below(3); flips > 0; --flips)
       changed[random.below(static_cast<uint32_t>(bytes.size()))] = static_cast<char>(random.bits());
-    std::ofstream(folder / "fuzz", std::ios::binary) << changed;
+    write_new_file(folder / "fuzz", changed);
     SCOPED_TRACE("trial " + std::to_string(trial));
     try {
       const SafetensorsFile file(folder / "fuzz");
