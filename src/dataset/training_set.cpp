@@ -17,13 +17,24 @@ EpochPlan make_plan(const std::vector<WeightedStore>& sets, uint64_t seed) {
 
 }  // namespace
 
+BatchPart batch_part(int64_t batch, int rank, int processes) {
+  const int64_t first = batch * rank / processes;
+  return {first, batch * (rank + 1) / processes - first};
+}
+
 TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::string> features,
                          TrainingSetOptions options)
     : sets_(std::move(sets)),
       features_(std::move(features)),
       options_(options),
+      part_(batch_part(options.batch, options.rank, options.processes)),
       plan_(make_plan(sets_, options.seed)),
       batches_([this](int64_t step) { return make(step); }, options.workers) {
+  if (options_.batch < options_.processes)
+    fail_usage(
+        "data.batch: {} crops a step cannot be split over {} processes; set data.batch={} or more, or start "
+        "fewer processes",
+        options_.batch, options_.processes, options_.processes);
   if (steps_per_epoch() < 1)
     fail_usage(
         "data.batch: {} crops a step come from different frames, but the split has {}; render more frames or "
@@ -43,9 +54,27 @@ Batch TrainingSet::make(int64_t step) const {
   const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(step / steps_per_epoch()));
   const auto first = static_cast<size_t>(step % steps_per_epoch() * options_.batch);
   std::vector<FrameCrop> crops;
-  for (size_t slot = 0; slot < static_cast<size_t>(options_.batch); ++slot)
-    crops.push_back(draw_crop(epoch[first + slot], step, slot));
+  // The number of the slot in the whole batch decides its crop, whoever reads it.
+  const auto begin = static_cast<size_t>(part_.first), end = begin + static_cast<size_t>(part_.count);
+  for (size_t slot = begin; slot < end; ++slot) crops.push_back(draw_crop(epoch[first + slot], step, slot));
   return make_batch(crops, features_);
+}
+
+std::string TrainingSet::describe(int64_t first, int64_t count) const {
+  std::string text;
+  for (int64_t step = first; step < first + count; ++step) {
+    const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(step / steps_per_epoch()));
+    for (size_t slot = 0; slot < static_cast<size_t>(options_.batch); ++slot) {
+      const FrameRef ref = epoch[static_cast<size_t>(step % steps_per_epoch() * options_.batch) + slot];
+      const Augmentation crop = draw_crop(ref, step, slot).augmentation;
+      text +=
+          fmt::format("{}{} at {},{}{}{}{}", text.empty() ? "" : "; ", sets_[ref.set].store->name(ref.frame),
+                      crop.x, crop.y, crop.flip_x ? " flipped in x" : "", crop.flip_y ? " flipped in y" : "",
+                      crop.quarter_turns > 0 ? fmt::format(" turned {}", 90 * crop.quarter_turns) : "");
+      if (options_.augmentation.exposure > 0) text += fmt::format(" times {:.4g}", crop.exposure);
+    }
+  }
+  return text;
 }
 
 FrameCrop TrainingSet::draw_crop(const FrameRef& ref, int64_t step, size_t slot) const {

@@ -20,7 +20,14 @@ struct TrainingSetOptions {
   int64_t batch = 4;
   uint64_t seed = 1;
   int workers = 2;  // threads that prepare batches ahead of their use; 0: each when it is asked for
+  int rank = 0, processes = 1;  // of several processes, each reads its own part of the same batches
 };
+
+/// The slots of a batch that one of several processes reads: all of them once, in order, as evenly as can be.
+struct BatchPart {
+  int64_t first = 0, count = 0;
+};
+BatchPart batch_part(int64_t batch, int rank, int processes);
 
 /// The training split of one data set, and its weight among them (dataset/epoch_plan.h).
 struct WeightedStore {
@@ -30,14 +37,24 @@ struct WeightedStore {
 
 class TrainingSet {
  public:
-  /// Throws UsageError when there are fewer frames than a batch or a frame is smaller than the crop.
+  /// Throws UsageError when there are fewer frames than a batch, a frame is smaller than the crop or there
+  /// are more processes than crops in a batch.
   TrainingSet(std::vector<WeightedStore> sets, std::vector<std::string> features, TrainingSetOptions options);
 
   /// What does not fill a batch at the end of an epoch is left out of it.
   int64_t steps_per_epoch() const { return static_cast<int64_t>(plan_.crops()) / options_.batch; }
 
-  /// The batch of a step, from 0. Throws what went wrong with it: Error for bad data.
+  /// This process's part of the batch of a step, from 0. Throws what went wrong with it: Error for bad data.
   Batch batch(int64_t step) { return batches_.get(step); }
+
+  /// The part's crops divided by those of the whole batch. The mean loss over the whole batch is the sum over
+  /// the processes of the mean over each one's part times this.
+  double batch_share() const {
+    return static_cast<double>(part_.count) / static_cast<double>(options_.batch);
+  }
+
+  /// Frame and crop of every slot of the batches first ... first + count - 1, for messages.
+  std::string describe(int64_t first, int64_t count) const;
 
  private:
   Batch make(int64_t step) const;
@@ -46,6 +63,7 @@ class TrainingSet {
   std::vector<WeightedStore> sets_;
   std::vector<std::string> features_;
   TrainingSetOptions options_;
+  BatchPart part_;
   EpochPlan plan_;
   Prefetch<Batch> batches_;  // last: its threads use the members above
 };

@@ -49,9 +49,23 @@ void write_exr(const fs::path& temporary, const fs::path& path, const Image& ima
   }
 }
 
-/// The bytes of a PNG file: written by OpenImageIO itself, a file that the disk has no room for would end
-/// early without a complaint. `path` is what complaints name.
+void check_image(const fs::path& path, const Image& image, int most_channels) {
+  if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide || image.height > kMaxImageSide ||
+      (image.channels != 1 && image.channels != 3 && image.channels != most_channels) ||
+      image.pixels.size() != image.plane_size() * static_cast<size_t>(image.channels))
+    fail(
+        "cannot write {}: an image of {} x {} pixels with {} channels and {} numbers; expected 1 to {} "
+        "pixels a side and "
+        "1, 3 or, in EXR, 4 channels",
+        path.string(), image.width, image.height, image.channels, image.pixels.size(), kMaxImageSide);
+}
+
+}  // namespace
+
+// In memory: written by OpenImageIO itself, a file that the disk has no room for would end early without a
+// complaint.
 std::string png_bytes(const fs::path& path, const Image& image) {
+  check_image(path, image, 3);
   std::vector<uint8_t> pixels(image.pixels.size());
   const auto channels = static_cast<size_t>(image.channels);
   for (size_t c = 0; c < channels; ++c)
@@ -70,21 +84,12 @@ std::string png_bytes(const fs::path& path, const Image& image) {
   return {memory.buffer().begin(), memory.buffer().end()};
 }
 
-}  // namespace
-
 void write_image(const fs::path& path, const Image& image, const Windows& windows) {
   const std::string extension = path.extension().string();
   if (extension != ".exr" && extension != ".png")
     fail("cannot write {}: unknown extension '{}'; expected .exr (linear) or .png (tone-mapped)",
          path.string(), extension);
-  if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide || image.height > kMaxImageSide ||
-      (image.channels != 1 && image.channels != 3 && (image.channels != 4 || extension != ".exr")) ||
-      image.pixels.size() != image.plane_size() * static_cast<size_t>(image.channels))
-    fail(
-        "cannot write {}: an image of {} x {} pixels with {} channels and {} numbers; expected 1 to {} "
-        "pixels a side and "
-        "1, 3 or, in EXR, 4 channels",
-        path.string(), image.width, image.height, image.channels, image.pixels.size(), kMaxImageSide);
+  if (extension == ".exr") check_image(path, image, 4);
   if (extension == ".png")
     write_file_atomically(path, png_bytes(path, image));
   else

@@ -65,6 +65,35 @@ TEST(TrainingSet, BatchesDependOnSeedAndStepAlone) {
   }
 }
 
+TEST(TrainingSet, ThePartsOfSeveralProcessesAreTheWholeBatch) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 7);
+  TrainingSet whole = training_set(folder.path(), options(8, 7));
+  EXPECT_EQ(whole.batch_share(), 1);
+  for (const int processes : {1, 2, 3, 7}) {
+    std::vector<torch::Tensor> radiance, references;
+    double shares = 0;
+    for (int rank = 0; rank < processes; ++rank) {
+      TrainingSetOptions part = options(8, 7);
+      part.rank = rank;
+      part.processes = processes;
+      TrainingSet set = training_set(folder.path(), part);
+      EXPECT_EQ(set.steps_per_epoch(), whole.steps_per_epoch());
+      const Batch batch = set.batch(3);
+      EXPECT_EQ(set.batch_share(), static_cast<double>(batch.reference.size(0)) / 7);
+      shares += set.batch_share();
+      radiance.push_back(batch.input.radiance);
+      references.push_back(batch.reference);
+    }
+    EXPECT_NEAR(shares, 1, 1e-15);
+    EXPECT_TRUE(torch::cat(radiance).equal(whole.batch(3).input.radiance)) << processes;
+    EXPECT_TRUE(torch::cat(references).equal(whole.batch(3).reference)) << processes;
+  }
+  TrainingSetOptions too_many = options(8, 7);
+  too_many.processes = 8;
+  EXPECT_ERROR(training_set(folder.path(), too_many), "set data.batch=8 or more, or start fewer processes");
+}
+
 TEST(TrainingSet, FramesOfSeveralSizesAndNumbersOfSamples) {
   const TemporaryFolder folder;
   write_tiny_dataset(folder / "a", 3, 37, 1);
