@@ -14,6 +14,8 @@ FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& 
   if (limit > 0 && frames.size() > limit) frames.resize(limit);
 
   const size_t count = frames.size();
+  std::vector<std::string> names;
+  for (const ManifestFrame& frame : frames) names.push_back(frame.name);
   const auto warned = std::make_shared<std::vector<bool>>(count, false);
   const auto load = [folder, features, warned, frames = std::move(frames)](size_t i) {
     FramePair pair = read_frame_pair(folder, frames[i], features);
@@ -21,7 +23,7 @@ FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& 
     (*warned)[i] = true;
     return EvaluationFrame{frames[i].name, std::move(pair.frame), std::move(pair.reference)};
   };
-  return {count, load};
+  return {count, load, std::move(names)};
 }
 
 }  // namespace ld

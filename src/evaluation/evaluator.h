@@ -22,6 +22,7 @@ struct EvaluationFrame {
 struct FrameSet {
   size_t count = 0;
   std::function<EvaluationFrame(size_t)> load;
+  std::vector<std::string> names = {};  // of the frames, where they are known beforehand
 };
 
 struct LabelledPicture {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "evaluation/scores.h"
 #include "frame/frame.h"
 
 namespace ld {
@@ -12,9 +14,13 @@ namespace ld {
 struct Method {
   std::string name;
   std::function<Image(const Frame&)> denoise;  // linear radiance [3, H, W] of the frame's size
+  MethodCost cost = {};
+  /// Instead of `denoise`: the picture that another program made of the frame of this name and size.
+  std::function<Image(const std::string& frame, int width, int height)> read = {};
+  std::map<std::string, double> seconds = {};  // what that program noted for each frame
 };
 
-/// "NAME=FILE" of a command line.
+/// "NAME=FILE" or "NAME=DIR" of a command line.
 struct ModelArgument {
   std::string name, file;
 };
@@ -23,8 +29,16 @@ struct ModelArgument {
 /// check_method_names).
 std::vector<ModelArgument> parse_model_arguments(const std::vector<std::string>& arguments);
 
+/// The same for any option: `option` ("--images") and `example` ("oidn=out/oidn") are for the complaints.
+std::vector<ModelArgument> parse_named_arguments(const std::string& option, const std::string& example,
+                                                 const std::vector<std::string>& arguments);
+
 /// Throws UsageError for a name that is empty, given twice, `noisy`, `blur` or `reference` (the tables and
 /// pictures use those), or that holds a control character.
 void check_method_names(const std::vector<std::string>& names);
+
+/// Throws UsageError when the name of a baseline is neither "" (the default), `noisy`, `blur` nor one of the
+/// methods.
+void check_baseline(const std::string& baseline, const std::vector<Method>& methods);
 
 }  // namespace ld

@@ -13,6 +13,12 @@ double MethodScores::mean(size_t metric) const {
   return sum / static_cast<double>(frames.size());
 }
 
+std::vector<double> MethodScores::values(size_t metric) const {
+  std::vector<double> result;
+  for (const FrameScores& frame : frames) result.push_back(frame.values.at(metric));
+  return result;
+}
+
 std::optional<double> MethodScores::mean_seconds() const {
   if (frames.empty()) return std::nullopt;
   double sum = 0;
@@ -33,6 +39,17 @@ const MethodScores& Evaluation::method(const std::string& name) const {
   for (const MethodScores& method : methods)
     if (method.name == name) return method;
   fail("the evaluation holds no method '{}'", name);
+}
+
+const MethodScores& Evaluation::baseline_method() const {
+  if (methods.empty()) fail("the evaluation holds no method");
+  if (baseline.empty()) return methods.size() > 2 ? methods[2] : methods.front();
+  std::vector<std::string> names;
+  for (const MethodScores& method : methods) {
+    if (method.name == baseline) return method;
+    names.push_back(method.name);
+  }
+  fail_usage("no method '{}' to compare with; there are {}", baseline, fmt::join(names, ", "));
 }
 
 }  // namespace ld

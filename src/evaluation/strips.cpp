@@ -39,6 +39,13 @@ void mark_not_finite(Image& image) {
 
 }  // namespace
 
+bool is_evenly_chosen(size_t frame, size_t count, size_t chosen) {
+  const size_t rows = std::min(chosen, count);
+  for (size_t row = 0; row < rows; ++row)
+    if (row * count / rows == frame) return true;
+  return false;
+}
+
 Image make_strip(const std::vector<LabelledPicture>& pictures) {
   if (pictures.empty()) fail("a strip of no pictures");
   const Image& first = pictures.front().image;
@@ -81,17 +88,10 @@ Image stack_strips(const std::vector<Image>& strips) {
 StripWriter::StripWriter(std::filesystem::path folder, size_t frame_count)
     : folder_(std::move(folder)), frame_count_(frame_count) {}
 
-bool StripWriter::is_chosen(size_t frame) const {
-  const size_t rows = std::min(kComparisonRows, frame_count_);
-  for (size_t row = 0; row < rows; ++row)
-    if (row * frame_count_ / rows == frame) return true;
-  return false;
-}
-
 void StripWriter::add(size_t frame, const std::string& name, const std::vector<LabelledPicture>& pictures) {
   Image strip = make_strip(pictures);
   write_image(folder_ / "strips" / (name + ".png"), strip);
-  if (is_chosen(frame)) chosen_.push_back(std::move(strip));
+  if (is_evenly_chosen(frame, frame_count_, kComparisonRows)) chosen_.push_back(std::move(strip));
 }
 
 std::filesystem::path StripWriter::finish() const {

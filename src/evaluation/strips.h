@@ -10,6 +10,9 @@
 
 namespace ld {
 
+/// Whether frame number `frame` of `count` is among `chosen` ones that are spread evenly over them.
+bool is_evenly_chosen(size_t frame, size_t count, size_t chosen);
+
 /// The pictures from left to right with separators of 2 pixels and, where a font is found, their labels
 /// above. Linear radiance, NaN shown as magenta. All pictures [3, H, W] of one size. Throws Error otherwise,
 /// or when there is none.
@@ -30,8 +33,6 @@ class StripWriter {
   std::filesystem::path finish() const;
 
  private:
-  bool is_chosen(size_t frame) const;
-
   std::filesystem::path folder_;
   size_t frame_count_;
   std::vector<Image> chosen_;

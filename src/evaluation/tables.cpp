@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/text_table.h"
 #include "evaluation/blur_sweep.h"
+#include "evaluation/comparison.h"
 #include "metrics/metric.h"
-#include "metrics/relmse.h"
-#include "metrics/smape.h"
 
 namespace ld {
 namespace {
@@ -65,13 +65,22 @@ std::vector<double> means(const MethodScores& method) {
   return values;
 }
 
-nlohmann::ordered_json json_values(const std::vector<double>& values) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (size_t m = 0; m < values.size(); ++m) {
-    auto& entry = json[metrics()[m].name];
-    if (std::isfinite(values[m])) entry = values[m];  // else it stays null
+/// One end of the intervals of all metrics; NaN where there is none.
+std::vector<double> interval_ends(const MethodScores& method, double Interval::*end) {
+  std::vector<double> values;
+  for (size_t m = 0; m < metrics().size(); ++m) {
+    const auto interval = mean_interval(method.values(m));
+    values.push_back(interval ? (*interval).*end : std::numeric_limits<double>::quiet_NaN());
   }
-  return json;
+  return values;
+}
+
+std::string range(const std::optional<Interval>& interval, int digits) {
+  return interval ? number(interval->low, digits) + " .. " + number(interval->high, digits) : "-";
+}
+
+std::string probability(const std::optional<double>& p) {
+  return p ? fmt::format(*p < 1e-4 ? "{:.1e}" : "{:.4f}", *p) : "-";
 }
 
 }  // namespace
@@ -86,8 +95,8 @@ std::string markdown_means(const Evaluation& evaluation) {
   }
   std::string text = markdown_table(rows, 1) + "\n";
   for (const Metric& metric : metrics())
-    text += fmt::format("- {}: {} is better; {}\n", metric.title, metric.lower_is_better ? "lower" : "higher",
-                        metric.domain);
+    text += fmt::format("- {}: {} is better; {}; on {}\n", metric.title,
+                        metric.lower_is_better ? "lower" : "higher", metric.formula, metric.domain);
   for (const MethodScores& method : evaluation.methods) {
     if (!method.sigmas.empty())
       text += fmt::format("- {}: Gaussian, its width chosen for each metric: {}\n", method.name,
@@ -97,6 +106,51 @@ std::string markdown_means(const Evaluation& evaluation) {
           fmt::format("- {}: {} values are NaN or infinite; those frames, and so the mean, have no score\n",
                       method.name, method.not_finite());
   }
+  return text;
+}
+
+std::string markdown_intervals(const Evaluation& evaluation) {
+  std::vector<Row> rows = {{"method"}};
+  for (const Metric& metric : metrics()) rows[0].push_back(metric.title);
+  for (const MethodScores& method : evaluation.methods) {
+    Row row = {method.name};
+    for (size_t m = 0; m < metrics().size(); ++m)
+      row.push_back(range(mean_interval(method.values(m)), metrics()[m].digits));
+    rows.push_back(row);
+  }
+  const size_t frames = evaluation.methods.empty() ? 0 : evaluation.methods.front().frames.size();
+  return fmt::format("{:g} % confidence intervals of these means over {} frames (Student's t):\n\n",
+                     100 * kConfidence, frames) +
+         markdown_table(rows, 1);
+}
+
+std::string markdown_comparison(const Evaluation& evaluation) {
+  const Comparison comparison = compare_with(evaluation, evaluation.baseline_method());
+  std::vector<Row> rows = {{"metric", "method", "difference",
+                            fmt::format("{:g} % interval", 100 * kConfidence), "better", "worse", "p"}};
+  for (size_t m = 0; m < metrics().size(); ++m)
+    for (const PairedMethod& method : comparison.methods) {
+      const PairedMetric& paired = method.metrics[m];
+      const int digits = metrics()[m].digits;
+      rows.push_back({metrics()[m].title, method.name, number(paired.mean_difference, digits),
+                      range(paired.interval, digits), std::to_string(paired.better),
+                      std::to_string(paired.worse), probability(paired.p)});
+    }
+  std::string text = fmt::format(
+      "In pairs with {}: method - {}, mean over {} frames; frames that are better and worse; p of Wilcoxon's "
+      "signed-rank test, two-sided, not corrected for the number of rows\n\n{}",
+      comparison.baseline, comparison.baseline, comparison.frame_count, markdown_table(rows, 2));
+  if (comparison.too_few_frames())
+    text += fmt::format(
+        "\n- {} frames are too few: the signed-rank test cannot come below {:g} with fewer than {}\n",
+        comparison.frame_count, 1 - kConfidence, kFewestFrames);
+  return text;
+}
+
+std::string formulas_text() {
+  std::string text = "d: denoised, r: reference, linear radiance\n";
+  for (const Metric& metric : metrics())
+    text += fmt::format("{} = {} ({})\n", metric.title, metric.formula, metric.domain);
   return text;
 }
 
@@ -123,38 +177,29 @@ std::string to_csv(const Evaluation& evaluation) {
     for (const FrameScores& frame : method.frames)
       text += csv_row(method.name, frame.frame, frame.values, frame.seconds, frame.not_finite);
     text += csv_row(method.name, "mean", means(method), method.mean_seconds(), method.not_finite());
+    text += csv_row(method.name, "ci95_low", interval_ends(method, &Interval::low), {}, 0);
+    text += csv_row(method.name, "ci95_high", interval_ends(method, &Interval::high), {}, 0);
   }
   return text;
 }
 
-nlohmann::ordered_json to_json(const Evaluation& evaluation) {
-  nlohmann::ordered_json json;
-  json["data"] = evaluation.data;
-  json["split"] = evaluation.split;
-  json["frame_count"] = evaluation.methods.empty() ? 0 : evaluation.methods.front().frames.size();
-  json["relmse_epsilon"] = kRelmseEpsilon;
-  json["smape_epsilon"] = kSmapeEpsilon;
-  for (const Metric& metric : metrics())
-    json["metrics"][metric.name] = {{"better", metric.lower_is_better ? "lower" : "higher"},
-                                    {"domain", metric.domain}};
-
-  json["methods"] = nlohmann::ordered_json::object();
-  for (const MethodScores& method : evaluation.methods) {
-    nlohmann::ordered_json& entry = json["methods"][method.name];
-    entry["mean"] = json_values(means(method));
-    if (const auto time = method.mean_seconds()) entry["seconds"] = *time;
-    entry["not_finite"] = method.not_finite();
-    if (!method.sigmas.empty()) entry["sigma"] = json_values(method.sigmas);
-    entry["frames"] = nlohmann::ordered_json::array();
-    for (const FrameScores& frame : method.frames) {
-      nlohmann::ordered_json row = {{"name", frame.frame}};
-      row.update(json_values(frame.values));
-      if (frame.seconds) row["seconds"] = *frame.seconds;
-      row["not_finite"] = frame.not_finite;
-      entry["frames"].push_back(row);
+std::string comparison_csv(const Evaluation& evaluation) {
+  const Comparison comparison = compare_with(evaluation, evaluation.baseline_method());
+  const auto cell = [](bool exists, double value) { return exists ? fmt::format("{}", value) : ""; };
+  std::string text =
+      "baseline,method,metric,frames,mean_difference,ci95_low,ci95_high,better,worse,equal,p\n";
+  for (const PairedMethod& method : comparison.methods)
+    for (size_t m = 0; m < metrics().size(); ++m) {
+      const PairedMetric& paired = method.metrics[m];
+      const Interval interval = paired.interval.value_or(Interval{});
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", quoted(comparison.baseline),
+                          quoted(method.name), metrics()[m].name, comparison.frame_count,
+                          cell(std::isfinite(paired.mean_difference), paired.mean_difference),
+                          cell(paired.interval.has_value(), interval.low),
+                          cell(paired.interval.has_value(), interval.high), paired.better, paired.worse,
+                          paired.equal, cell(paired.p.has_value(), paired.p.value_or(0)));
     }
-  }
-  return json;
+  return text;
 }
 
 }  // namespace ld

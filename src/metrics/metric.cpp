@@ -13,12 +13,14 @@ namespace ld {
 const std::vector<Metric>& metrics() {
   static const std::string display = "tone-mapped radiance (log(1 + x), sRGB) clamped to [0, 1]";
   static const std::vector<Metric> all = {
-      {"relmse", "relMSE", true, fmt::format("linear radiance, epsilon {:g}", kRelmseEpsilon), 4, relmse},
-      {"smape", "SMAPE", true, fmt::format("linear radiance, epsilon {:g}", kSmapeEpsilon), 4, smape},
+      {"relmse", "relMSE", true, fmt::format("linear radiance, epsilon {:g}", kRelmseEpsilon),
+       relmse_formula(), 4, relmse},
+      {"smape", "SMAPE", true, fmt::format("linear radiance, epsilon {:g}", kSmapeEpsilon), smape_formula(),
+       4, smape},
       {"ssim", "SSIM", false,
        fmt::format("{}, {}x{} Gaussian window of sigma {:g}", display, kSsimWindow, kSsimWindow, kSsimSigma),
-       4, ssim},
-      {"psnr", "PSNR", false, display + ", dB", 2, psnr},
+       ssim_formula(), 4, ssim},
+      {"psnr", "PSNR", false, display + ", dB", psnr_formula(), 2, psnr},
   };
   return all;
 }

@@ -12,8 +12,9 @@ struct Metric {
   std::string name;   // in files and on command lines
   std::string title;  // heading of its column, for people
   bool lower_is_better;
-  std::string domain;  // what it is computed on, epsilon included, for people
-  int digits;          // decimals that a table shows
+  std::string domain;   // what it is computed on, epsilon included, for people
+  std::string formula;  // of the denoised picture d and the reference r, constants included, for people
+  int digits;           // decimals that a table shows
   double (*compute)(const Image& denoised,
                     const Image& reference);  // domain and errors: metrics/image_pair.h
 };

@@ -18,4 +18,9 @@ double psnr(const Image& denoised, const Image& reference) {
   return -10 * std::log10(sum / static_cast<double>(r.size()));
 }
 
+std::string psnr_formula() {
+  return "-10 log10(mean over pixels and channels of (T(d) - T(r))^2), T(x) = min(sRGB(log(1 + max(x, 0))), "
+         "1)";
+}
+
 }  // namespace ld

@@ -2,6 +2,8 @@
 // reports it: higher is better.
 #pragma once
 
+#include <string>
+
 #include "frame/frame.h"
 
 namespace ld {
@@ -10,5 +12,6 @@ namespace ld {
 /// (tone map of eq. 7, clamped to [0, 1]; peak 1). Plus infinity for pictures that look equal. Domain and
 /// errors: metrics/image_pair.h.
 double psnr(const Image& denoised, const Image& reference);
+std::string psnr_formula();
 
 }  // namespace ld

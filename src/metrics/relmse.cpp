@@ -1,5 +1,7 @@
 #include "metrics/relmse.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 
 #include "metrics/image_pair.h"
@@ -15,6 +17,10 @@ double relmse(const Image& denoised, const Image& reference) {
     sum += difference * difference / (r * r + kRelmseEpsilon);
   }
   return sum / static_cast<double>(reference.pixels.size());
+}
+
+std::string relmse_formula() {
+  return fmt::format("mean over pixels and channels of (d - r)^2 / (r^2 + {:g})", kRelmseEpsilon);
 }
 
 }  // namespace ld

@@ -1,5 +1,7 @@
 #include "metrics/smape.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 
@@ -16,6 +18,10 @@ double smape(const Image& denoised, const Image& reference) {
     sum += std::abs(d - r) / (std::abs(d) + std::abs(r) + kSmapeEpsilon);
   }
   return sum / static_cast<double>(reference.pixels.size());
+}
+
+std::string smape_formula() {
+  return fmt::format("mean over pixels and channels of |d - r| / (|d| + |r| + {:g})", kSmapeEpsilon);
 }
 
 }  // namespace ld

@@ -2,6 +2,8 @@
 // lower is better.
 #pragma once
 
+#include <string>
+
 #include "frame/frame.h"
 
 namespace ld {
@@ -11,5 +13,6 @@ constexpr double kSmapeEpsilon = 0.01;
 /// mean over pixels and channels of |d - r| / (|d| + |r| + 0.01), in [0, 1] (a fraction, despite the name).
 /// Domain and errors: metrics/image_pair.h.
 double smape(const Image& denoised, const Image& reference);
+std::string smape_formula();
 
 }  // namespace ld

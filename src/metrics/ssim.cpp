@@ -1,5 +1,7 @@
 #include "metrics/ssim.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -87,6 +89,15 @@ double ssim(const Image& denoised, const Image& reference) {
     sum += plane_ssim(plane_d, plane_r, reference.width, reference.height);
   }
   return sum / 3;
+}
+
+std::string ssim_formula() {
+  return fmt::format(
+      "mean over channels and windows of (2 m_d m_r + C1) (2 s_dr + C2) / ((m_d^2 + m_r^2 + C1) (s_d^2 + "
+      "s_r^2 "
+      "+ C2)), m and s the window's weighted means and (co)variances of T(d) and T(r), C1 = {:g}^2, C2 = "
+      "{:g}^2",
+      kSsimK1, kSsimK2);
 }
 
 }  // namespace ld

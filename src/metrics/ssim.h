@@ -3,6 +3,8 @@
 // is equal.
 #pragma once
 
+#include <string>
+
 #include "frame/frame.h"
 
 namespace ld {
@@ -18,5 +20,6 @@ constexpr double kSsimK1 = 0.01, kSsimK2 = 0.03;  // C = K^2, because display va
 /// odd window that fits, the Gaussian cut to it and normalised again. In [-1, 1]. Domain and errors:
 /// metrics/image_pair.h.
 double ssim(const Image& denoised, const Image& reference);
+std::string ssim_formula();
 
 }  // namespace ld

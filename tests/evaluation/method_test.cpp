@@ -36,5 +36,22 @@ TEST(Method, BadModelArgumentsAreUsageErrorsThatSayWhatWasExpected) {
   }
 }
 
+TEST(Method, FoldersOfPicturesAreNamedLikeModels) {
+  const auto folders = parse_named_arguments("--images", "oidn=out/oidn", {"oidn=a/b"});
+  EXPECT_EQ(folders[0].name, "oidn");
+  EXPECT_EQ(folders[0].file, "a/b");
+  EXPECT_EQ(message_of([] { parse_named_arguments("--images", "oidn=out/oidn", {"oidn"}); }),
+            "--images oidn: expected NAME=DIR, for instance oidn=out/oidn");
+}
+
+TEST(Method, ABaselineMustBeOneOfTheMethods) {
+  const std::vector<Method> methods = {{"layer", nullptr}};
+  for (const std::string name : {"", "noisy", "blur", "layer"})
+    EXPECT_NO_THROW(check_baseline(name, methods));
+  EXPECT_THROW(check_baseline("lair", methods), UsageError);
+  EXPECT_NE(message_of([&] { check_baseline("lair", methods); }).find("there are noisy, blur, layer"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace ld

@@ -43,7 +43,10 @@ TEST(Tables, MarkdownMeansReadAsATable) {
   EXPECT_EQ(table[2], "| noisy     | 0.5000 | 0.1875 | 0.6250 | 25.00 |       - |");
   EXPECT_EQ(table[3], "| blur      | 0.1875 | 0.1500 | 0.7000 | 30.00 |       - |");
   EXPECT_EQ(table[4], "| a\\|b, \"c\" |    nan |    nan |    nan |   nan |   1.000 |");
-  EXPECT_EQ(table[6], "- relMSE: lower is better; linear radiance, epsilon 0.0001");
+  EXPECT_EQ(
+      table[6],
+      "- relMSE: lower is better; mean over pixels and channels of (d - r)^2 / (r^2 + 0.0001); on linear "
+      "radiance, epsilon 0.0001");
   EXPECT_EQ(table[9].substr(0, 25), "- PSNR: higher is better;");
   EXPECT_EQ(table[10],
             "- blur: Gaussian, its width chosen for each metric: 2 px for relMSE, 1 px for SMAPE, 0.5 px for "
@@ -65,12 +68,57 @@ TEST(Tables, CsvHoldsFullPrecisionMeansAndQuotes) {
   Evaluation evaluation = example();
   evaluation.methods[0].frames[0].values[0] = 0.1 + 0.2;
   const std::vector<std::string> table = lines(to_csv(evaluation));
-  ASSERT_EQ(table.size(), 10U);
+  ASSERT_EQ(table.size(), 16U);
   EXPECT_EQ(table[0], "method,frame,relmse,smape,ssim,psnr,seconds,not_finite");
   EXPECT_EQ(table[1], "noisy,f0,0.30000000000000004,0.125,0.5,20,,0");
-  EXPECT_EQ(table[6], "blur,mean,0.1875,0.15000000000000002,0.7,30,,0");
-  EXPECT_EQ(table[7], "\"a|b, \"\"c\"\"\",f0,43000000000000,1e-05,1,inf,0.5,0");
-  EXPECT_EQ(table[9], "\"a|b, \"\"c\"\"\",mean,nan,nan,nan,nan,1,7");
+  EXPECT_EQ(table[8], "blur,mean,0.1875,0.15000000000000002,0.7,30,,0");
+  // 12.7062 deviations of the mean (0.0625, 0.05, 0.1 and 5) to either side.
+  EXPECT_EQ(table[9].substr(0, 20), "blur,ci95_low,-0.606");
+  EXPECT_EQ(table[10].substr(0, 20), "blur,ci95_high,0.981");
+  EXPECT_EQ(table[11], "\"a|b, \"\"c\"\"\",f0,43000000000000,1e-05,1,inf,0.5,0");
+  EXPECT_EQ(table[13], "\"a|b, \"\"c\"\"\",mean,nan,nan,nan,nan,1,7");
+  EXPECT_EQ(table[14], "\"a|b, \"\"c\"\"\",ci95_low,nan,nan,nan,nan,,0");
+}
+
+TEST(Tables, MarkdownIntervalsStandBesideTheMeans) {
+  const std::vector<std::string> table = lines(markdown_intervals(example()));
+  EXPECT_EQ(table[0], "95 % confidence intervals of these means over 2 frames (Student's t):");
+  EXPECT_EQ(table[5].substr(0, 32), "| blur      | -0.6066 .. 0.9816 ");
+  EXPECT_EQ(table[6],
+            "| a\\|b, \"c\" |                 - |                 - |                 - |               - |");
+}
+
+TEST(Tables, MarkdownComparisonNamesTheBaselineAndSaysWhenFramesAreTooFew) {
+  Evaluation evaluation = example();
+  evaluation.baseline = "noisy";
+  const std::string text = markdown_comparison(evaluation);
+  EXPECT_EQ(text.find("In pairs with noisy: method - noisy, mean over 2 frames"), 0U);
+  const std::vector<std::string> table = lines(text);
+  EXPECT_EQ(table[4], "| relMSE | blur      |    -0.3125 | -2.6949 .. 2.0699 |      2 |     0 | 0.5000 |");
+  EXPECT_EQ(table[5].substr(0, 35), "| relMSE | a\\|b, \"c\" |        nan |");
+  EXPECT_EQ(table.back(),
+            "- 2 frames are too few: the signed-rank test cannot come below 0.05 with fewer than 6");
+}
+
+TEST(Tables, ComparisonCsvLeavesCellsEmptyThatDoNotExist) {
+  Evaluation evaluation = example();
+  evaluation.baseline = "noisy";
+  const std::vector<std::string> table = lines(comparison_csv(evaluation));
+  ASSERT_EQ(table.size(), 9U);
+  EXPECT_EQ(table[0],
+            "baseline,method,metric,frames,mean_difference,ci95_low,ci95_high,better,worse,equal,p");
+  EXPECT_EQ(table[1].substr(0, 28), "noisy,blur,relmse,2,-0.3125,");
+  EXPECT_EQ(table[1].substr(table[1].size() - 10), ",2,0,0,0.5");
+  EXPECT_EQ(table[5], "noisy,\"a|b, \"\"c\"\"\",relmse,2,,,,0,2,0,");
+}
+
+TEST(Tables, FormulasOfAllMetrics) {
+  const std::vector<std::string> text = lines(formulas_text());
+  ASSERT_EQ(text.size(), 5U);
+  EXPECT_EQ(text[1].find("relMSE = mean over pixels and channels of (d - r)^2 / (r^2 + 0.0001)"), 0U);
+  EXPECT_EQ(text[2].find("SMAPE = mean over pixels and channels of |d - r| / (|d| + |r| + 0.01)"), 0U);
+  EXPECT_NE(text[3].find("C1 = 0.01^2, C2 = 0.03^2"), std::string::npos);
+  EXPECT_NE(text[4].find("10 log10"), std::string::npos);
 }
 
 TEST(Tables, JsonHasTheAgreedShapeAndNullForWhatIsNoNumber) {
@@ -81,7 +129,16 @@ TEST(Tables, JsonHasTheAgreedShapeAndNullForWhatIsNoNumber) {
   EXPECT_EQ(json["frame_count"], 2);
   EXPECT_EQ(json["split"], "test");
   EXPECT_EQ(json["metrics"]["ssim"]["better"], "higher");
+  EXPECT_EQ(json["metrics"]["relmse"]["formula"],
+            "mean over pixels and channels of (d - r)^2 / (r^2 + 0.0001)");
+  EXPECT_EQ(json["confidence"], 0.95);
   EXPECT_EQ(json["methods"].size(), 3U);
+  EXPECT_NEAR(json["methods"]["blur"]["interval"]["psnr"][1].get<double>(), 30 + 12.7062047 * 5, 1e-5);
+  EXPECT_TRUE(json["methods"]["a|b, \"c\""]["interval"]["psnr"].is_null());
+  EXPECT_EQ(json["comparison"]["baseline"], "a|b, \"c\"");
+  EXPECT_EQ(json["comparison"]["too_few_frames"], true);
+  EXPECT_EQ(json["comparison"]["methods"]["blur"]["psnr"]["better"], 1);
+  EXPECT_TRUE(json["comparison"]["methods"]["blur"]["psnr"]["p"].is_null());
   EXPECT_EQ(json["methods"]["noisy"]["mean"],
             (nlohmann::json{{"relmse", 0.5}, {"smape", 0.1875}, {"ssim", 0.625}, {"psnr", 25}}));
   EXPECT_EQ(json["methods"]["noisy"]["frames"][1]["name"], "f1");

@@ -1,0 +1,48 @@
+#include "evaluation/picture_codec.h"
+
+// Before OpenImageIO, which would otherwise build all of fmt into this file.
+#include <fmt/format.h>
+
+#include <OpenImageIO/strutil.h>
+#include <half.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/error.h"
+
+namespace ld {
+namespace {
+
+constexpr float kHalfMax = 65504;
+
+uint16_t half_bits(float value) {
+  return half(std::isfinite(value) ? std::clamp(value, -kHalfMax, kHalfMax) : value).bits();
+}
+
+}  // namespace
+
+std::string encode_picture(const Image& image) {
+  const size_t count = image.pixels.size(), width = static_cast<size_t>(image.width);
+  std::vector<uint8_t> bytes(2 * count);
+  unsigned previous = 0;
+  for (size_t i = 0; i < count; ++i) {
+    if (i % width == 0) previous = 0;
+    const unsigned bits = half_bits(image.pixels[i]), difference = (bits - previous) & 0xffffU;
+    previous = bits;
+    bytes[i] = static_cast<uint8_t>(difference >> 8);
+    bytes[count + i] = static_cast<uint8_t>(difference & 0xffU);
+  }
+  uLongf packed_size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string packed(packed_size, '\0');
+  const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &packed_size, bytes.data(),
+                             static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
+  if (code != Z_OK)
+    fail("zlib cannot compress {} bytes (code {}); is there memory left?", bytes.size(), code);
+  return OIIO::Strutil::base64_encode({packed.data(), packed_size});
+}
+
+}  // namespace ld

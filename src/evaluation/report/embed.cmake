@@ -1,0 +1,17 @@
+# Writes OUT, a C++ file with the report's page, style and script as string literals:
+#   cmake -DOUT=FILE -DPAGE=page.html -DSTYLE=style.css -DSCRIPTS=a.js|b.js -P embed.cmake
+set(Script "")
+string(REPLACE "|" ";" scripts "${SCRIPTS}")
+foreach(file IN LISTS scripts)
+  file(READ "${file}" text)
+  string(APPEND Script "${text}\n")
+endforeach()
+file(READ "${PAGE}" Page)
+file(READ "${STYLE}" Style)
+file(WRITE "${OUT}" "// Made by embed.cmake.\n#include \"evaluation/report_assets.h\"\n\nnamespace ld {\n\n")
+foreach(name Page Style Script)
+  file(APPEND "${OUT}" "const char* const kReport${name} = R\"asset(")
+  file(APPEND "${OUT}" "${${name}}")
+  file(APPEND "${OUT}" ")asset\";\n")
+endforeach()
+file(APPEND "${OUT}" "\n}  // namespace ld\n")

@@ -1,0 +1,96 @@
+#include <cmath>
+
+#include "evaluation/comparison.h"
+#include "evaluation/tables.h"
+#include "metrics/metric.h"
+#include "metrics/relmse.h"
+#include "metrics/smape.h"
+
+namespace ld {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Null for what JSON has no number for.
+Json number_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json json_interval(const std::optional<Interval>& interval) {
+  return interval ? Json{interval->low, interval->high} : Json();
+}
+
+Json json_values(const std::vector<double>& values) {
+  Json json = Json::object();
+  for (size_t m = 0; m < values.size(); ++m) json[metrics()[m].name] = number_or_null(values[m]);
+  return json;
+}
+
+Json json_frame(const FrameScores& frame) {
+  Json row = {{"name", frame.frame}};
+  row.update(json_values(frame.values));
+  if (frame.seconds) row["seconds"] = *frame.seconds;
+  row["not_finite"] = frame.not_finite;
+  return row;
+}
+
+Json json_method(const MethodScores& method) {
+  Json entry;
+  for (size_t m = 0; m < metrics().size(); ++m) {
+    entry["mean"][metrics()[m].name] = number_or_null(method.mean(m));
+    entry["interval"][metrics()[m].name] = json_interval(mean_interval(method.values(m)));
+  }
+  if (const auto time = method.mean_seconds()) entry["seconds"] = *time;
+  if (method.cost.parameters) entry["parameters"] = *method.cost.parameters;
+  if (method.cost.multiply_adds) entry["multiply_adds_per_pixel"] = *method.cost.multiply_adds;
+  entry["not_finite"] = method.not_finite();
+  if (!method.sigmas.empty()) entry["sigma"] = json_values(method.sigmas);
+  entry["frames"] = Json::array();
+  for (const FrameScores& frame : method.frames) entry["frames"].push_back(json_frame(frame));
+  return entry;
+}
+
+}  // namespace
+
+Json comparison_json(const Evaluation& evaluation, const MethodScores& baseline) {
+  const Comparison comparison = compare_with(evaluation, baseline);
+  Json json = {{"baseline", comparison.baseline},
+               {"frame_count", comparison.frame_count},
+               {"too_few_frames", comparison.too_few_frames()},
+               {"methods", Json::object()}};
+  for (const PairedMethod& method : comparison.methods)
+    for (size_t m = 0; m < metrics().size(); ++m) {
+      const PairedMetric& paired = method.metrics[m];
+      json["methods"][method.name][metrics()[m].name] = {
+          {"mean_difference", number_or_null(paired.mean_difference)},
+          {"interval", json_interval(paired.interval)},
+          {"better", paired.better},
+          {"worse", paired.worse},
+          {"equal", paired.equal},
+          {"p", paired.p ? Json(*paired.p) : Json()}};
+    }
+  return json;
+}
+
+Json to_json(const Evaluation& evaluation) {
+  Json json;
+  json["data"] = evaluation.data;
+  json["split"] = evaluation.split;
+  json["frame_count"] = evaluation.methods.empty() ? 0 : evaluation.methods.front().frames.size();
+  json["relmse_epsilon"] = kRelmseEpsilon;
+  json["smape_epsilon"] = kSmapeEpsilon;
+  json["confidence"] = kConfidence;
+  for (const Metric& metric : metrics())
+    json["metrics"][metric.name] = {{"title", metric.title},
+                                    {"better", metric.lower_is_better ? "lower" : "higher"},
+                                    {"domain", metric.domain},
+                                    {"formula", metric.formula},
+                                    {"digits", metric.digits}};
+  json["methods"] = Json::object();
+  for (const MethodScores& method : evaluation.methods) json["methods"][method.name] = json_method(method);
+  if (!evaluation.methods.empty())
+    json["comparison"] = comparison_json(evaluation, evaluation.baseline_method());
+  return json;
+}
+
+}  // namespace ld
