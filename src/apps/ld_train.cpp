@@ -4,15 +4,17 @@
 #include "core/config_tree.h"
 #include "core/log.h"
 #include "ops/runtime.h"
+#include "training/run_folder.h"
 #include "training/trainer.h"
 
 int main(int argc, char** argv) {
-  std::string config_path, run;
+  std::string config_path, run, command;
   std::vector<std::string> overrides;
   ld::Application app("ld_train", "Trains a denoising network on a data set, or continues a training.");
   app.options().add_option("--config", config_path, "YAML configuration")->required();
   app.options().add_option("--out", run, "run folder: checkpoints, logs, resolved configuration")->required();
   app.options().add_option("overrides", overrides, "key.sub=value, on top of the file");
+  for (int i = 0; i < argc; ++i) command += (i > 0 ? " " : "") + ld::shell_word(argv[i]);
 
   return app.run(argc, argv, [&] {
     ld::ConfigNode tree = ld::read_config(config_path);
@@ -21,14 +23,18 @@ int main(int argc, char** argv) {
     if (app.seed()) config.seed = *app.seed();
 
     ld::configure_runtime(app.threads());
-    ld::Trainer trainer(config, run);
+    const std::unique_ptr<ld::ProcessGroup> group = ld::ProcessGroup::from_environment();
+    if (!group->is_root()) spdlog::set_level(spdlog::level::warn);  // rank 0 speaks for all
+    ld::Trainer trainer(config, run, {group.get(), command, {}});
     trainer.train();
 
     const ld::TrainingState& state = trainer.state();
     spdlog::info("{} of {} steps done; best validation loss {:.4f} at step {}; weights in {}/checkpoints",
                  state.step, trainer.total_steps(), state.best_score, state.best_step, run);
+    if (!group->is_root()) return;
     app.write_json({{"step", state.step},
                     {"total_steps", trainer.total_steps()},
+                    {"skipped", state.skipped},
                     {"best_score", state.best_score},
                     {"best_step", state.best_step}});
   });

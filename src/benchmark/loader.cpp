@@ -150,14 +150,14 @@ nlohmann::ordered_json train_epochs(TrainConfig config, int64_t epochs, const fs
   const int64_t steps = make_training_set(config).steps_per_epoch();
   config.run = {epochs * steps, steps, epochs * steps, epochs * steps};
   Trainer(config, run).train();
-  std::istringstream lines(read_file(run / "metrics.csv"));
+  std::istringstream lines(read_file(run / "timing.csv"));
   std::string line;
-  std::getline(lines, line);  // step,epoch,learning_rate,train_loss,seconds_per_step,...
+  std::getline(lines, line);  // step,seconds_per_step
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   // The last epoch's row includes a validation.
   for (int64_t epoch = 0; epoch + 1 < epochs && std::getline(lines, line); ++epoch) {
     std::istringstream cells(line);
-    for (int cell = 0; cell < 5; ++cell) std::getline(cells, line, ',');
+    for (int cell = 0; cell < 2; ++cell) std::getline(cells, line, ',');
     rows.push_back({{"seconds", std::stod(line) * static_cast<double>(steps)}});
   }
   return rows;

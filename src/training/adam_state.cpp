@@ -17,6 +17,19 @@ auto state_key(const torch::Tensor& parameter) {
 #endif
 }
 
+struct Moments {
+  torch::Tensor mean, square;
+};
+
+void set_state(torch::optim::Adam& optimizer, const torch::Tensor& parameter, const Moments& moments,
+               int64_t steps) {
+  auto state = std::make_unique<torch::optim::AdamParamState>();
+  state->step(steps);
+  state->exp_avg(moments.mean);
+  state->exp_avg_sq(moments.square);
+  optimizer.state()[state_key(parameter)] = std::move(state);
+}
+
 }  // namespace
 
 NamedTensors adam_state(torch::optim::Adam& optimizer, const Network& network) {
@@ -33,19 +46,26 @@ NamedTensors adam_state(torch::optim::Adam& optimizer, const Network& network) {
 
 void set_adam_state(torch::optim::Adam& optimizer, const Network& network, const SafetensorsFile& file,
                     int64_t steps) {
+  std::vector<std::pair<torch::Tensor, Moments>> states;
   for (const auto& parameter : network.named_parameters()) {
-    auto state = std::make_unique<torch::optim::AdamParamState>();
-    state->step(steps);
-    state->exp_avg(read_tensor(file.tensor("exp_avg." + parameter.key())));
-    state->exp_avg_sq(read_tensor(file.tensor("exp_avg_sq." + parameter.key())));
-    if (state->exp_avg().sizes() != parameter.value().sizes() ||
-        state->exp_avg_sq().sizes() != parameter.value().sizes())
+    states.emplace_back(parameter.value(),
+                        Moments{read_tensor(file.tensor("exp_avg." + parameter.key())),
+                                read_tensor(file.tensor("exp_avg_sq." + parameter.key()))});
+    const Moments& moments = states.back().second;
+    if (moments.mean.sizes() != parameter.value().sizes() ||
+        moments.square.sizes() != parameter.value().sizes())
       fail(
           "{}: the state of '{}' has another shape than the parameter; the checkpoint is damaged, use an "
           "earlier one",
           file.path().string(), parameter.key());
-    optimizer.state()[state_key(parameter.value())] = std::move(state);
   }
+  for (const auto& [parameter, moments] : states) set_state(optimizer, parameter, moments, steps);
+}
+
+void make_adam_state(torch::optim::Adam& optimizer, const Network& network, int64_t steps) {
+  for (const torch::Tensor& parameter : network.parameters())
+    set_state(optimizer, parameter,
+              {torch::zeros_like(parameter.detach()), torch::zeros_like(parameter.detach())}, steps);
 }
 
 }  // namespace ld

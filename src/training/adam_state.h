@@ -14,8 +14,11 @@ namespace ld {
 NamedTensors adam_state(torch::optim::Adam& optimizer, const Network& network);
 
 /// Sets the state of all parameters as after `steps` steps. Throws Error when a tensor is missing or of
-/// another shape.
+/// another shape; nothing has been set then.
 void set_adam_state(torch::optim::Adam& optimizer, const Network& network, const SafetensorsFile& file,
                     int64_t steps);
+
+/// Moments of 0 for all parameters, as after `steps` steps.
+void make_adam_state(torch::optim::Adam& optimizer, const Network& network, int64_t steps);
 
 }  // namespace ld

@@ -27,7 +27,7 @@ struct DataConfig {
   std::string path;                  // folder with manifest.json
   std::vector<DataSetConfig> paths;  // several of them, in place of `path`
   int64_t crop = 128;                // side of the square crops, pixels
-  int64_t batch = 4;                 // crops a step
+  int64_t batch = 4;                 // crops a batch, of all processes together
   bool flips = true;                 // mirror in x and in y, each half of the time
   bool rotations = true;             // 0, 90, 180 or 270 degrees
   int64_t difficulty = 1;  // of so many crops of a frame, one is taken in proportion to how noisy it is
@@ -52,37 +52,46 @@ struct DataConfig {
   }
 };
 
-struct OptimizerConfig {  // Adam (Kingma and Ba 2015)
-  double learning_rate = 0.005;
+struct OptimizerConfig {         // Adam (Kingma and Ba 2015)
+  double learning_rate = 0.005;  // the highest of the schedule
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;
-  std::string schedule =
-      "constant";  // or "halve" (every `halve_every` epochs), or "cosine" (to 0 at the last epoch)
-  int64_t halve_every = 100;
-  int64_t warmup_steps = 0;  // the rate rises linearly over so many steps
-  double clip_norm = 0;      // largest norm of all gradients together; 0: no limit
-  double clip_value = 0;     // largest absolute gradient; 0: no limit
+  std::string schedule = "constant";  // training/schedule.h
+  int64_t step_epochs = 100;          // schedule "step": after so many epochs ...
+  double step_factor = 0.5;           // ... times this
+  int64_t warmup_steps = 0;           // the rate rises linearly over so many steps
+  double clip_norm = 0;               // largest norm of all gradients together; 0: no limit
+  double clip_value = 0;              // largest absolute gradient; 0: no limit
+  int64_t accumulate = 1;  // batches a step: their gradients are averaged, in the memory that one takes
+  double ema = 0;          // decay of the averaged weights (training/weight_average.h); 0: none
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("learning_rate", learning_rate, Range{0, 10});
     v.field("beta1", beta1, Range{0, 0.999999});
     v.field("beta2", beta2, Range{0, 0.999999});
-    v.field("epsilon", epsilon, Range{0, 1});
-    v.field("schedule", schedule, {"constant", "halve", "cosine"});
-    v.field("halve_every", halve_every, at_least(1));
+    v.field("epsilon", epsilon, Range{1e-30, 1});  // at 0, Adam divides 0 by 0
+    v.field("schedule", schedule, {"constant", "step", "cosine", "one_cycle"});
+    v.field("step_epochs", step_epochs, at_least(1));
+    v.field("step_factor", step_factor, Range{0, 1});
     v.field("warmup_steps", warmup_steps, at_least(0));
     v.field("clip_norm", clip_norm, at_least(0));
     v.field("clip_value", clip_value, at_least(0));
+    v.field("accumulate", accumulate, Range{1, 4096});
+    v.field("ema", ema, Range{0, 0.999999});
   }
 };
 
-/// How a run is watched and where it pauses. These may change between a run and its continuation; all else
-/// may not.
+/// How a run is watched, where it pauses and what it keeps. These may change between a run and its
+/// continuation; all else may not.
 struct RunConfig {
   int64_t max_steps = 0;           // stop early after so many steps; 0: after the last epoch
   int64_t log_every = 50;          // steps between lines of metrics.csv
   int64_t validate_every = 500;    // steps between validations
   int64_t checkpoint_every = 500;  // steps between checkpoints; one is always written at the end
+  double max_minutes = 0;          // stop after so much time since the program started; 0: no limit
+  int64_t keep = 2;                // newest checkpoints kept, besides the best
+  int64_t max_skipped = 10;        // so many steps in a row without a finite gradient end the run
+  int64_t images = 4;              // validation frames in TensorBoard; 0: none
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -90,11 +99,16 @@ struct RunConfig {
     v.field("log_every", log_every, at_least(1));
     v.field("validate_every", validate_every, at_least(1));
     v.field("checkpoint_every", checkpoint_every, at_least(1));
+    v.field("max_minutes", max_minutes, Range{0, 1e7});
+    v.field("keep", keep, Range{2, 10000});  // one to fall back on
+    v.field("max_skipped", max_skipped, at_least(1));
+    v.field("images", images, Range{0, 64});
   }
 };
 
 struct TrainConfig {
   uint64_t seed = 1;
+  std::string init;  // weights to begin with: a weight file, checkpoint or run; "": random ones
   std::string loss = "smape";
   int64_t epochs = 1000;  // an epoch has as many crops as the training splits have frames
   NetworkConfig network;
@@ -105,6 +119,7 @@ struct TrainConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("seed", seed);
+    v.field("init", init);
     v.field("loss", loss);
     v.field("epochs", epochs, at_least(1));
     v.section("network", network);

@@ -1,13 +1,17 @@
 #include "training/event_log.h"
 
+#include <fcntl.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
-#include <fstream>
+#include <cstring>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/log.h"
 
 namespace ld {
 
@@ -25,14 +29,45 @@ EventLog::EventLog(std::filesystem::path path, std::vector<std::string> columns,
 }
 
 void EventLog::write(int64_t step, const std::map<std::string, double>& values) {
-  std::string line = fmt::format("{}", step);
+  waiting_ += fmt::format("{}", step);
   for (const std::string& column : columns_) {
     const auto found = values.find(column);
-    line += found == values.end() ? "," : fmt::format(",{:.7g}", found->second);
+    waiting_ += found == values.end() ? "," : fmt::format(",{:.9g}", found->second);
   }
-  std::ofstream file(path_, std::ios::app);
-  file << line << "\n" << std::flush;
-  if (!file) fail("cannot append to {}; is the disk full?", path_.string());
+  waiting_ += "\n";
+  append();
+}
+
+bool EventLog::append() {
+  if (waiting_.empty()) return true;
+  const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  const off_t before = file < 0 ? -1 : lseek(file, 0, SEEK_END);
+  size_t done = 0;
+  while (before >= 0 && done < waiting_.size()) {
+    const ssize_t written = ::write(file, waiting_.data() + done, waiting_.size() - done);
+    if (written <= 0) break;
+    done += static_cast<size_t>(written);
+  }
+  const int reason = errno;
+  const bool whole = done == waiting_.size();
+  // Half a row would spoil the table.
+  const bool clean = whole || before < 0 || ftruncate(file, before) == 0;
+  if (file >= 0) close(file);
+  if (whole) {
+    waiting_.clear();
+    reported_ = false;
+  } else if (!reported_) {
+    spdlog::warn("cannot append to {}: {}; its rows are kept and written when there is room{}",
+                 path_.string(), std::strerror(reason), clean ? "" : " (half a row may stay behind)");
+    reported_ = true;
+  }
+  return whole;
+}
+
+bool EventLog::flush() {
+  if (!append()) return false;
+  flush_to_disk(path_);
+  return true;
 }
 
 }  // namespace ld

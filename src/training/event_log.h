@@ -1,5 +1,5 @@
-// metrics.csv of a run: one row each time something was measured; a resumed run continues it without gaps or
-// repeats.
+// A table of a run that grows by a row each time something was measured (metrics.csv, timing.csv); a resumed
+// run continues it without gaps or repeats.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,20 @@ class EventLog {
   /// Continues an existing file, without the rows behind `step` (of steps that a resumed run does again).
   EventLog(std::filesystem::path path, std::vector<std::string> columns, int64_t step);
 
-  /// Columns without a value stay empty. The first column is the step.
+  /// Columns without a value stay empty. The first column is the step. Rows that find no room on the disk are
+  /// reported once, kept in memory and written with a later one.
   void write(int64_t step, const std::map<std::string, double>& values);
 
+  /// To the disk itself; false when rows still wait for room.
+  bool flush();
+
  private:
+  bool append();
+
   std::filesystem::path path_;
   std::vector<std::string> columns_;
+  std::string waiting_;
+  bool reported_ = false;
 };
 
 }  // namespace ld

@@ -1,29 +1,31 @@
 #include "training/run_folder.h"
 
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cctype>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/file_io.h"
 
 namespace ld {
-namespace {
 
-/// What may not change, as text: everything but the pauses and what only costs time, memory or disk.
-std::string fixed_part(TrainConfig config) {
+std::string fixed_configuration(TrainConfig config) {
   config.run = RunConfig{};
   config.data.cache = DataConfig{}.cache;
   config.data.cache_megabytes = DataConfig{}.cache_megabytes;
   config.data.workers = DataConfig{}.workers;
+  config.data.batch = DataConfig{}.batch;
+  config.optimizer.accumulate = OptimizerConfig{}.accumulate;
   return config_to_yaml(config);
 }
-
-}  // namespace
 
 void claim_run_folder(const std::filesystem::path& run, const TrainConfig& config) {
   const std::filesystem::path path = run / "config.yaml";
   if (std::filesystem::exists(path)) {
     const auto stored = config_from_tree<TrainConfig>(read_config(path));
-    std::istringstream old_lines(fixed_part(stored)), new_lines(fixed_part(config));
+    std::istringstream old_lines(fixed_configuration(stored)), new_lines(fixed_configuration(config));
     std::string before, now;
     while (std::getline(old_lines, before), std::getline(new_lines, now)) {
       const auto trimmed = [](const std::string& line) {
@@ -38,6 +40,39 @@ void claim_run_folder(const std::filesystem::path& run, const TrainConfig& confi
     }
   }
   write_file_atomically(path, config_to_yaml(config));
+}
+
+std::string shell_word(const std::string& argument) {
+  const bool plain = !argument.empty() && std::all_of(argument.begin(), argument.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string("_-+=./:,@%").find(c) != std::string::npos;
+  });
+  if (plain) return argument;
+  std::string quoted = "'";
+  for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string reproducing_command(const std::filesystem::path& run, const std::string& out, int threads) {
+  return fmt::format("ld_train --config {} --threads {} --out {}", shell_word((run / "config.yaml").string()),
+                     threads, shell_word(out));
+}
+
+void write_origin(const std::filesystem::path& run, const TrainConfig& config, const RunOrigin& origin) {
+  nlohmann::ordered_json json;
+  json["program"] = "ld_train " LD_VERSION;
+  json["libtorch"] = origin.libtorch;
+  json["blas_kernels"] = origin.blas;
+  json["compiler"] = __VERSION__;
+  json["threads"] = origin.threads;
+  json["processes"] = origin.processes;
+  json["seed"] = config.seed;
+  json["dataset"] = origin.dataset;
+  json["parameters"] = origin.parameters;
+  json["total_steps"] = origin.total_steps;
+  json["command"] = origin.command;
+  json["reproduce"] = reproducing_command(run, "NEW_RUN", origin.threads);
+  write_file_atomically(run / "run.json", json.dump(2) + "\n");
 }
 
 }  // namespace ld

@@ -1,14 +1,39 @@
-// A run folder belongs to one configuration.
+// What a run folder says about its run: the resolved configuration, and what it was made with.
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "training/config.h"
 
 namespace ld {
 
-/// Writes the resolved configuration to RUN/config.yaml. Where there is one already, it must agree in all but
-/// its `run:` section (which is then replaced); UsageError names the first line that differs.
+/// What may not change when a run continues, as YAML: everything but the `run:` section, what only costs time
+/// or memory, and how the crops of a step are divided (data.batch, optimizer.accumulate), whose product is
+/// compared with the checkpoint.
+std::string fixed_configuration(TrainConfig config);
+
+/// Writes the resolved configuration to RUN/config.yaml. Where there is one already, it must agree in
+/// fixed_configuration(); UsageError names the first line that differs.
 void claim_run_folder(const std::filesystem::path& run, const TrainConfig& config);
+
+/// What made a run, besides its configuration.
+struct RunOrigin {
+  std::string command;   // as it was typed; "": not started from a command line
+  std::string libtorch;  // its version
+  std::string blas;      // OpenBLAS's name of its kernels; "": another BLAS
+  int threads = 1, processes = 1;
+  std::string dataset;  // manifests_checksum()
+  int64_t parameters = 0, total_steps = 0;
+};
+
+/// Writes RUN/run.json: versions, threads, the command, and a line that does the run again.
+void write_origin(const std::filesystem::path& run, const TrainConfig& config, const RunOrigin& origin);
+
+/// The command that trains with the configuration of `run` again, into `out`.
+std::string reproducing_command(const std::filesystem::path& run, const std::string& out, int threads);
+
+/// An argument as a shell takes it.
+std::string shell_word(const std::string& argument);
 
 }  // namespace ld

@@ -1,28 +1,22 @@
 // The learning rate of each step.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "training/config.h"
 
 namespace ld {
 
-/// The rate for `step` (from 0) of `total_steps`.
-inline double learning_rate(const OptimizerConfig& config, int64_t step, int64_t steps_per_epoch,
-                            int64_t total_steps) {
-  double rate = config.learning_rate;
-  if (config.schedule == "halve") {
-    const int64_t halvings = step / steps_per_epoch / config.halve_every;
-    rate *= std::pow(0.5, static_cast<double>(halvings));
-  } else if (config.schedule == "cosine") {
-    const double progress = static_cast<double>(step) / static_cast<double>(total_steps);
-    rate *= 0.5 * (1 + std::cos(3.14159265358979 * std::min(progress, 1.0)));
-  }
-  if (step < config.warmup_steps)
-    rate *= static_cast<double>(step + 1) / static_cast<double>(config.warmup_steps);
-  return rate;
-}
+/// The rate for `step` (from 0) of `total_steps`, which lies in `epoch` (from 0):
+///  - constant: learning_rate;
+///  - step: learning_rate * step_factor^n in epoch n * step_epochs and after;
+///  - cosine: from learning_rate to 0 along half a cosine (Loshchilov and Hutter 2017, without restarts);
+///  - one_cycle (Smith and Topin 2018, with PyTorch's defaults): in the first 30 % of the steps from
+///    learning_rate / 25 up to learning_rate, then down to learning_rate / 250000, each along half a cosine.
+/// During the first `warmup_steps` that is multiplied by (step + 1) / warmup_steps.
+double learning_rate(const OptimizerConfig& config, int64_t step, int64_t epoch, int64_t total_steps);
+
+/// Throws UsageError for settings that contradict each other.
+void check_schedule(const OptimizerConfig& config);
 
 }  // namespace ld

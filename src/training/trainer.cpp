@@ -1,13 +1,13 @@
 #include "training/trainer.h"
 
-#include <chrono>
-#include <cmath>
+#include <fmt/ranges.h>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "metrics/metric.h"
+#include "training/initial_weights.h"
 #include "training/run_folder.h"
 #include "training/schedule.h"
 #include "training/training_data.h"
@@ -15,184 +15,204 @@
 namespace ld {
 namespace {
 
-/// A run with more such steps in a row has diverged.
-constexpr int64_t kMostSkippedInARow = 100;
+using Clock = std::chrono::steady_clock;
 
-std::shared_ptr<Network> make_initial_network(const TrainConfig& config) {
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The configuration with its features, the same on all processes.
+TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, ProcessGroup& group) {
+  check_schedule(config.optimizer);
+  if (group.size() > 1) {
+    TrainConfig comparable = config;
+    comparable.data.path.clear();  // where each machine has the data is its own business
+    comparable.data.paths.clear();
+    group.require_equal(fixed_configuration(comparable), "configuration");
+    group.require_equal(manifests_checksum(config.data), "data set");
+  }
+  if (!config.network.auto_features()) return config;
+  if (group.is_root()) config = resolve_features(std::move(config), run);
+  const std::string list = group.broadcast(
+      fmt::format("features: [{}]\n", fmt::join(config.network.features, ", ")), "sharing the features");
+  config.network.features =
+      config_from_tree<NetworkConfig>(parse_config(list, "features of rank 0")).features;
+  return config;
+}
+
+/// Of a run that continues, checkpoint and rank 0 know better.
+std::shared_ptr<Network> make_initial_network(const TrainConfig& config, bool new_run) {
   std::shared_ptr<Network> network = make_network(config.network);
   initialise_xavier(*network, config.seed);
+  if (new_run && !config.init.empty()) begin_with_weights(config.init, *network);
   return network;
 }
 
-torch::optim::AdamOptions adam_options(const OptimizerConfig& config) {
-  return torch::optim::AdamOptions(config.learning_rate)
-      .betas({config.beta1, config.beta2})
-      .eps(config.epsilon);
-}
-
-std::vector<std::string> log_columns() {
-  std::vector<std::string> columns = {"epoch", "learning_rate", "train_loss", "seconds_per_step",
-                                      "validation_loss"};
-  for (const Metric& metric : metrics()) columns.push_back(metric.name);
-  return columns;
+int64_t steps_of(const TrainConfig& config, int64_t batches_per_epoch) {
+  return std::max<int64_t>(config.epochs * batches_per_epoch / config.optimizer.accumulate, 1);
 }
 
 }  // namespace
 
-Trainer::Trainer(TrainConfig config, std::filesystem::path run)
-    : config_(resolve_features(std::move(config), run)),
+Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOptions& options)
+    : alone_(ProcessGroupOptions{}),
+      group_(options.group != nullptr ? *options.group : alone_),
+      start_(Clock::now()),
+      config_(prepare(std::move(config), run, group_)),
       run_(std::move(run)),
-      training_set_(make_training_set(config_)),
-      validation_(make_validation_stores(config_)),
-      network_(make_initial_network(config_)),
-      loss_(make_loss(config_.loss)),
-      optimizer_(network_->parameters(), adam_options(config_.optimizer)),
-      checkpoints_(run_),
-      total_steps_(config_.epochs * training_set_.steps_per_epoch()) {
-  claim_run_folder(run_, config_);
-  add_log_file(run_ / "train.log");
+      training_set_(make_training_set(config_, group_.rank(), group_.size())),
+      validation_(make_validation_stores(config_), config_.run.images),
+      checkpoints_(run_, config_.run.keep),
+      loss_(options.loss ? options.loss : make_loss(config_.loss)),
+      network_(make_initial_network(config_, group_.is_root() && !checkpoints_.begun())),
+      optimizer_(network_, config_.optimizer),
+      total_steps_(steps_of(config_, training_set_.steps_per_epoch())),
+      last_step_(config_.run.max_steps > 0 ? std::min(config_.run.max_steps, total_steps_) : total_steps_) {
   state_.dataset = manifests_checksum(config_.data);
-  int64_t parameters = 0;
-  for (const torch::Tensor& parameter : network_->parameters()) parameters += parameter.numel();
-  spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} threads",
-               config_.network.name, parameters, total_steps_, config_.data.batch, config_.data.crop,
-               config_.data.crop, config_.loss, torch::get_num_threads());
-  if (validation_.empty())
-    spdlog::warn("the data has no validation split: `best` will be the last checkpoint");
+  state_.crops_per_step = config_.data.batch * config_.optimizer.accumulate;
+  if (group_.is_root()) open_run(options.command);
   resume();
-}
-
-void Trainer::resume() {
-  const std::optional<std::filesystem::path> checkpoint = checkpoints_.last();
-  if (!checkpoint) return;
-  const std::string dataset = state_.dataset;
-  state_ = read_checkpoint(*checkpoint, *network_, optimizer_);
-  spdlog::info("continuing from {} at step {}", checkpoint->string(), state_.step);
-  if (state_.dataset != dataset) {
-    spdlog::warn("the data set has changed since that checkpoint: its manifest had the checksum {}, now {}",
-                 state_.dataset, dataset);
-    state_.dataset = dataset;
-  }
+  if (group_.is_root()) log_.emplace(run_, state_.validation_due ? state_.step - 1 : state_.step);
 }
 
 void Trainer::train() {
-  const int64_t last_step =
-      config_.run.max_steps > 0 ? std::min(config_.run.max_steps, total_steps_) : total_steps_;
-  EventLog events(run_ / "metrics.csv", log_columns(), state_.step);
-  Progress progress("training", last_step, state_.step);
-  int64_t written_step = state_.step, measured_steps = 0;
-  double loss_sum = 0;
-  auto measured_since = std::chrono::steady_clock::now();
-
-  while (state_.step < last_step && !stop_requested()) {
-    const double rate =
-        learning_rate(config_.optimizer, state_.step, training_set_.steps_per_epoch(), total_steps_);
-    static_cast<torch::optim::AdamOptions&>(optimizer_.param_groups()[0].options()).lr(rate);
-    const double loss = take_step();
-    loss_sum += loss;
-    ++measured_steps;
-    progress.advance(1, fmt::format("loss {:.4f}", loss));
-
-    const bool last = state_.step == last_step;
-    std::map<std::string, double> row;
-    bool best = false;
-    if (!validation_.empty() && (state_.step % config_.run.validate_every == 0 || last)) {
-      row = validate();
-      best = note_score(row);
-    }
-    if (state_.step % config_.run.log_every == 0 || last || !row.empty()) {
-      const auto now = std::chrono::steady_clock::now();
-      row["epoch"] = static_cast<double>(state_.step) / static_cast<double>(training_set_.steps_per_epoch());
-      row["learning_rate"] = rate;
-      row["train_loss"] = loss_sum / static_cast<double>(measured_steps);
-      row["seconds_per_step"] =
-          std::chrono::duration<double>(now - measured_since).count() / static_cast<double>(measured_steps);
-      events.write(state_.step, row);
-      loss_sum = 0;
-      measured_steps = 0;
-      measured_since = now;
-    }
-    if (best || last || state_.step % config_.run.checkpoint_every == 0) {
-      checkpoints_.write(state_, *network_, optimizer_, best || validation_.empty());
-      written_step = state_.step;
-    }
+  if (state_.step < last_step_ && group_.is_root()) announce();
+  try {
+    run_steps();
+  } catch (const std::exception&) {
+    rescue();
+    throw;
   }
-  // Stopped by a signal between two checkpoints.
-  if (written_step != state_.step) checkpoints_.write(state_, *network_, optimizer_, validation_.empty());
+}
+
+void Trainer::run_steps() {
+  Progress progress("training", last_step_, state_.step);
+  timed_since_ = Clock::now();
+  if (state_.validation_due) finish_step();
+  while (state_.step < last_step_ && !must_stop()) {
+    const double loss = take_step();
+    finish_step();
+    if (group_.is_root()) progress.advance(1, fmt::format("loss {:.4f}", loss));
+  }
+  if (saved_.step != state_.step) save_at_end();
+  group_.barrier("ending");
+}
+
+/// Collective: all stop after the same step.
+bool Trainer::must_stop() {
+  const double minutes = config_.run.max_minutes;
+  const bool time_is_up = minutes > 0 && seconds_since(start_) > 60 * minutes;
+  return group_.any(stop_requested() || time_is_up, "deciding whether to stop");
+}
+
+int64_t Trainer::epoch_of(int64_t step) const {
+  return step * config_.optimizer.accumulate / training_set_.steps_per_epoch();
+}
+
+double Trainer::rate_of(int64_t step) const {
+  return learning_rate(config_.optimizer, step, epoch_of(step), total_steps_);
 }
 
 double Trainer::take_step() {
-  const Batch batch = training_set_.batch(state_.step);
-  optimizer_.zero_grad();
-  const torch::Tensor loss = loss_(network_->forward(batch.input), batch.reference);
-  loss.backward();
-  ++state_.step;
-  const double value = loss.item<double>();
-  // Adam would keep one NaN for ever, and clipping by norm turns an infinity into NaN: such a step is not
-  // taken.
-  if (std::isfinite(value) && limit_gradients()) {
-    optimizer_.step();
-    ++state_.optimizer_steps;
-    skipped_in_a_row_ = 0;
-    return value;
+  if (best_unsaved_) {  // no checkpoint will ever hold it: another one may be the best
+    state_.best_score = saved_.best_score;
+    state_.best_step = saved_.best_step;
+    best_unsaved_ = false;
   }
-  spdlog::warn("step {}: loss {} with gradients that are not all finite; step skipped", state_.step, value);
-  if (++skipped_in_a_row_ > kMostSkippedInARow)
-    fail(
-        "step {}: {} steps in a row had no finite gradient: the training diverged; lower "
-        "optimizer.learning_rate and "
-        "start a new run",
-        state_.step, skipped_in_a_row_);
-  return value;
+  const Optimizer::Outcome outcome = optimizer_.step(training_set_, state_.step, loss_, rate_of(state_.step),
+                                                     state_.optimizer_steps + 1, group_);
+  ++timed_steps_;
+  if (!outcome.taken) {
+    skip_step(outcome);
+    return outcome.loss;
+  }
+  ++state_.step;
+  ++state_.optimizer_steps;
+  state_.skipped_in_a_row = 0;
+  state_.loss_sum += outcome.loss;
+  ++state_.loss_count;
+  return outcome.loss;
 }
 
-/// Applies the limits of the optimiser's configuration; false when a gradient is not finite.
-bool Trainer::limit_gradients() {
-  double square = 0;
-  for (const torch::Tensor& parameter : network_->parameters())
-    if (parameter.grad().defined()) square += parameter.grad().square().sum(torch::kFloat64).item<double>();
-  if (!std::isfinite(square)) return false;
-  if (config_.optimizer.clip_value > 0)
-    torch::nn::utils::clip_grad_value_(network_->parameters(), config_.optimizer.clip_value);
-  if (config_.optimizer.clip_norm > 0)
-    torch::nn::utils::clip_grad_norm_(network_->parameters(), config_.optimizer.clip_norm);
-  return true;
+void Trainer::skip_step(const Optimizer::Outcome& outcome) {
+  if (state_.skipped_in_a_row == 0) before_skips_ = state_;
+  ++state_.skipped;
+  ++state_.skipped_in_a_row;
+  if (group_.is_root())
+    spdlog::warn(
+        "step {} skipped: loss {}, norm of the gradient {:.4g}; crops {}", state_.step + 1, outcome.loss,
+        outcome.gradient,
+        training_set_.describe(state_.step * config_.optimizer.accumulate, config_.optimizer.accumulate));
+  if (state_.skipped_in_a_row >= config_.run.max_skipped) end_diverged();
+  ++state_.step;
 }
 
-/// Loss and metrics on the whole frames of the validation splits, means over the frames.
-std::map<std::string, double> Trainer::validate() {
-  std::map<std::string, double> sums;
-  const torch::NoGradGuard no_graph;
-  double count = 0;
-  for (const std::unique_ptr<FrameStore>& store : validation_)
-    for (size_t i = 0; i < store->size(); ++i, ++count) {
-      Augmentation whole;
-      whole.width = store->width(i);
-      whole.height = store->height(i);
-      Batch batch =
-          make_batch({{store->get_intact(i, store->get(i), whole.tiles()), whole}}, config_.network.features);
-      const torch::Tensor denoised = network_->forward(std::move(batch.input));
-      sums["validation_loss"] += loss_(denoised, batch.reference).item<double>();
-      const Image image = to_image(denoised.squeeze(0)), reference = to_image(batch.reference.squeeze(0));
-      for (const Metric& metric : metrics()) sums[metric.name] += metric.compute(image, reference);
-    }
-  for (auto& [name, sum] : sums) sum /= count;
-  return sums;
+/// Goes back to before the first of the skipped steps, so that whoever continues the run does them again.
+void Trainer::end_diverged() {
+  const int64_t skipped = state_.skipped_in_a_row;
+  state_ = before_skips_;
+  fail(
+      "{} steps in a row had no finite loss and gradient, from step {} on (seed {}, crops {}); '{}' does "
+      "them "
+      "again from the checkpoint before; to train on, lower optimizer.learning_rate or set "
+      "optimizer.clip_norm "
+      "in a new run",
+      skipped, state_.step + 1, config_.seed,
+      training_set_.describe(state_.step * config_.optimizer.accumulate, config_.optimizer.accumulate),
+      reproducing_command(run_, run_.string(), static_cast<int>(torch::get_num_threads())));
 }
 
-/// Remembers the lowest validation loss; true when this is it.
-bool Trainer::note_score(const std::map<std::string, double>& scores) {
-  const double loss = scores.at("validation_loss");
-  const bool best = loss < state_.best_score;
-  std::string text;
-  for (const Metric& metric : metrics())
-    text += fmt::format(", {} {:.{}f}", metric.title, scores.at(metric.name), metric.digits);
-  spdlog::info("step {}: validation loss {:.4f}{}{}", state_.step, loss, best ? " (best)" : "", text);
-  if (best) {
+/// What comes after a step: validation, log, checkpoint, each when it is due.
+void Trainer::finish_step() {
+  const bool last = state_.step == last_step_;
+  std::map<std::string, double> row;
+  if (!validation_.empty() &&
+      (state_.validation_due || last || state_.step % config_.run.validate_every == 0)) {
+    state_.validation_due = true;
+    if (!validate(row)) return;  // stopped; whoever continues validates first
+    state_.validation_due = false;
+  }
+  if (last || !row.empty() || state_.step % config_.run.log_every == 0) log_row(row);
+  if (state_.step % config_.run.log_every == 0) {
+    state_.loss_sum = 0;
+    state_.loss_count = 0;
+  }
+  if (best_unsaved_ || last || state_.step % config_.run.checkpoint_every == 0) save(best_unsaved_);
+}
+
+/// False when a stop was asked for meanwhile.
+bool Trainer::validate(std::map<std::string, double>& row) {
+  const std::optional<ValidationResult> result =
+      validation_.run(optimizer_.average().network(), loss_, group_, [] { return stop_requested(); });
+  if (!result) return false;
+  row = result->scores;
+  const double loss = row.at("validation_loss");
+  best_unsaved_ = loss < state_.best_score;
+  if (best_unsaved_) {
     state_.best_score = loss;
     state_.best_step = state_.step;
   }
-  return best;
+  if (!group_.is_root()) return true;
+  std::string text;
+  for (const Metric& metric : metrics())
+    text += fmt::format(", {} {:.{}f}", metric.title, row.at(metric.name), metric.digits);
+  spdlog::info("step {}: validation loss {:.4f}{}{}", state_.step, loss, best_unsaved_ ? " (best)" : "",
+               text);
+  log_->pictures(state_.step, result->pictures);
+  return true;
+}
+
+void Trainer::log_row(std::map<std::string, double> row) {
+  if (!group_.is_root()) return;
+  const auto steps = static_cast<double>(state_.step * config_.optimizer.accumulate);
+  row["epoch"] = steps / static_cast<double>(training_set_.steps_per_epoch());
+  row["learning_rate"] = rate_of(state_.step - 1);
+  row["skipped"] = static_cast<double>(state_.skipped);
+  if (state_.loss_count > 0) row["train_loss"] = state_.loss_sum / static_cast<double>(state_.loss_count);
+  log_->row(state_.step, row,
+            seconds_since(timed_since_) / static_cast<double>(std::max(timed_steps_, int64_t{1})));
+  timed_steps_ = 0;
+  timed_since_ = Clock::now();
 }
 
 }  // namespace ld

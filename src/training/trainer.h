@@ -1,55 +1,90 @@
-// The training loop: crops in, Adam steps, validation, checkpoints, logs.
+// The training loop: steps, validation, checkpoints, logs, and when to stop.
 #pragma once
 
-#include <torch/torch.h>
-
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "dataset/training_set.h"
 #include "losses/loss.h"
 #include "models/network.h"
 #include "training/checkpoint.h"
+#include "training/checkpoint_folder.h"
 #include "training/config.h"
-#include "training/event_log.h"
+#include "training/optimizer.h"
+#include "training/process_group.h"
+#include "training/run_log.h"
+#include "training/training_state.h"
+#include "training/validation.h"
 
 namespace ld {
 
+struct TrainerOptions {
+  ProcessGroup* group = nullptr;  // processes that train together; null: this one alone
+  std::string command;            // line that started the program, for the run's notes
+  Loss loss;                      // in place of the configuration's
+};
+
 class Trainer {
  public:
-  /// Makes the run folder, or continues the run that it holds. Throws UsageError when the folder holds
-  /// another configuration (all but the `run:` section counts) or the configuration does not fit the data;
-  /// Error for bad data.
-  Trainer(TrainConfig config, std::filesystem::path run);
+  /// Makes the run folder, or continues the run that it holds from its newest whole checkpoint. Throws
+  /// UsageError when the folder holds another configuration (training/run_folder.h) or the configuration does
+  /// not fit the data; Error for bad data and when no checkpoint is whole.
+  Trainer(TrainConfig config, std::filesystem::path run, const TrainerOptions& options = {});
 
-  /// Trains to the last step, or until SIGINT or SIGTERM; a checkpoint is written in both cases.
+  /// Trains to the last step, until the time is up, or until SIGINT or SIGTERM; a checkpoint is written in
+  /// all cases, also when an error ends the run. Throws Error when losses or gradients are not finite for
+  /// run.max_skipped steps in a row, a peer is lost, data are bad, or the last checkpoint finds no room.
   void train();
 
   const TrainingState& state() const { return state_; }
   int64_t total_steps() const { return total_steps_; }
+  /// The network that is trained, and the averaged one that validates (the same without optimizer.ema).
   const Network& network() const { return *network_; }
+  const Network& averaged_network() const { return optimizer_.average().network(); }
 
  private:
+  void open_run(const std::string& command);
   void resume();
+  void check_best();
+  void announce();
+  void run_steps();
   double take_step();
-  bool limit_gradients();
-  std::map<std::string, double> validate();
-  bool note_score(const std::map<std::string, double>& scores);
+  void skip_step(const Optimizer::Outcome& outcome);
+  [[noreturn]] void end_diverged();
+  void finish_step();
+  bool validate(std::map<std::string, double>& row);
+  void log_row(std::map<std::string, double> row);
+  void write_checkpoint(bool best);
+  bool save(bool best);
+  void save_at_end();
+  void rescue();
+  bool must_stop();
+  int64_t epoch_of(int64_t step) const;
+  double rate_of(int64_t step) const;
 
+  ProcessGroup alone_;
+  ProcessGroup& group_;
+  const std::chrono::steady_clock::time_point start_;
   TrainConfig config_;
   std::filesystem::path run_;
   TrainingSet training_set_;
-  std::vector<std::unique_ptr<FrameStore>> validation_;  // empty when no data set has a validation split
-  std::shared_ptr<Network> network_;
-  Loss loss_;
-  torch::optim::Adam optimizer_;
+  Validation validation_;
   CheckpointFolder checkpoints_;
+  Loss loss_;
+  std::shared_ptr<Network> network_;
+  Optimizer optimizer_;
+  std::optional<RunLog> log_;  // of rank 0
   TrainingState state_;
-  int64_t total_steps_;
-  int64_t skipped_in_a_row_ = 0;  // steps without finite gradients
+  TrainingState before_skips_;  // where the steps that are being skipped in a row began
+  TrainingState saved_;         // as the newest checkpoint holds it
+  bool best_unsaved_ = false;   // the weights as they are have the best score, and no checkpoint holds them
+  int64_t total_steps_, last_step_;
+  int64_t timed_steps_ = 0;  // since timed_since_
+  std::chrono::steady_clock::time_point timed_since_;
 };
 
 }  // namespace ld

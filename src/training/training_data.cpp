@@ -58,7 +58,7 @@ TrainConfig resolve_features(TrainConfig config, const fs::path& run) {
   return config;
 }
 
-TrainingSet make_training_set(const TrainConfig& config) {
+TrainingSet make_training_set(const TrainConfig& config, int rank, int processes) {
   const DataConfig& data = config.data;
   const std::vector<DataSetConfig> sets = data_sets(data);
   const CacheOptions cache = {data.cache,
@@ -73,6 +73,8 @@ TrainingSet make_training_set(const TrainConfig& config) {
   options.batch = data.batch;
   options.seed = config.seed;
   options.workers = static_cast<int>(data.workers);
+  options.rank = rank;
+  options.processes = processes;
   return TrainingSet(std::move(stores), config.network.features, options);
 }
 

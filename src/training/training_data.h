@@ -20,7 +20,8 @@ std::vector<DataSetConfig> data_sets(const DataConfig& config);
 /// out.
 TrainConfig resolve_features(TrainConfig config, const std::filesystem::path& run);
 
-TrainingSet make_training_set(const TrainConfig& config);
+/// Of several processes, each reads its own part of the same batches.
+TrainingSet make_training_set(const TrainConfig& config, int rank = 0, int processes = 1);
 
 /// The validation splits of those data sets that have one.
 std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfig& config);

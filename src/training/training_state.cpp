@@ -1,0 +1,58 @@
+#include "training/training_state.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "core/json_text.h"
+
+namespace ld {
+namespace {
+
+constexpr int kVersion = 2;
+
+}  // namespace
+
+std::string state_to_json(const TrainingState& state) {
+  nlohmann::ordered_json json;
+  json["version"] = kVersion;
+  json["step"] = state.step;
+  json["optimizer_steps"] = state.optimizer_steps;
+  json["skipped"] = state.skipped;
+  json["skipped_in_a_row"] = state.skipped_in_a_row;
+  json["loss_sum"] = state.loss_sum;
+  json["loss_count"] = state.loss_count;
+  json["validation_due"] = state.validation_due;
+  json["best_score"] = std::isfinite(state.best_score) ? nlohmann::ordered_json(state.best_score) : nullptr;
+  json["best_step"] = state.best_step;
+  json["crops_per_step"] = state.crops_per_step;
+  json["dataset"] = state.dataset;
+  return json.dump(2) + "\n";
+}
+
+TrainingState state_from_json(const std::string& text, const std::string& name) {
+  const nlohmann::json json = parse_json(text, name);
+  if (!json.is_object() || json.value("version", nlohmann::json()) != kVersion)
+    fail(
+        "{}: not the state of a run of this version (expected \"version\": {}); begin a new run, with "
+        "init=FOLDER to start from its weights",
+        name, kVersion);
+  try {
+    TrainingState state;
+    state.step = json.at("step");
+    state.optimizer_steps = json.at("optimizer_steps");
+    state.skipped = json.at("skipped");
+    state.skipped_in_a_row = json.at("skipped_in_a_row");
+    state.loss_sum = json.at("loss_sum");
+    state.loss_count = json.at("loss_count");
+    state.validation_due = json.at("validation_due");
+    if (!json.at("best_score").is_null()) state.best_score = json.at("best_score");
+    state.best_step = json.at("best_step");
+    state.crops_per_step = json.at("crops_per_step");
+    state.dataset = json.at("dataset");
+    return state;
+  } catch (const nlohmann::json::exception& error) {
+    fail("{}: not the state of a training run: {}", name, error.what());
+  }
+}
+
+}  // namespace ld

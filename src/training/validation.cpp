@@ -1,0 +1,86 @@
+#include "training/validation.h"
+
+#include <algorithm>
+
+#include "dataset/network_input.h"
+#include "metrics/metric.h"
+
+namespace ld {
+namespace {
+
+constexpr const char* kLoss = "validation_loss";
+
+/// Mean radiance of the valid samples, [3, H, W].
+Image mean_of_samples(const NetworkInput& input) {
+  const torch::Tensor count = input.valid.sum(1).clamp_min(1);
+  return to_image(((input.radiance * input.valid).sum(1) / count).squeeze(0));
+}
+
+Batch whole_frame(FrameStore& store, size_t index, const std::vector<std::string>& features) {
+  Augmentation whole;
+  whole.width = store.width(index);
+  whole.height = store.height(index);
+  return make_batch({{store.get_intact(index, store.get(index), whole.tiles()), whole}}, features);
+}
+
+}  // namespace
+
+Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures)
+    : stores_(std::move(stores)), pictures_(pictures) {
+  for (const std::unique_ptr<FrameStore>& store : stores_)
+    for (size_t i = 0; i < store->size(); ++i) frames_.push_back({store.get(), i});
+}
+
+int64_t Validation::pixels() const {
+  int64_t sum = 0;
+  for (const FrameOf& frame : frames_)
+    sum += int64_t{frame.store->width(frame.index)} * frame.store->height(frame.index);
+  return sum;
+}
+
+/// Of the frames of rank 0, evenly spread ones.
+bool Validation::is_shown(size_t frame, const ProcessGroup& group) const {
+  const auto size = static_cast<size_t>(group.size());
+  if (!group.is_root() || frame % size != 0) return false;
+  const size_t own = (frames_.size() + size - 1) / size, turn = frame / size;
+  const size_t shown = std::min(static_cast<size_t>(pictures_), own);
+  for (size_t i = 0; i < shown; ++i)
+    if (turn == i * own / shown) return true;
+  return false;
+}
+
+std::optional<ValidationResult> Validation::run(Network& network, const Loss& loss, ProcessGroup& group,
+                                                const std::function<bool()>& stop) const {
+  const torch::NoGradGuard no_graph;
+  ValidationResult result;
+  // A row a frame; a process fills those of its own frames.
+  const auto columns = static_cast<int64_t>(1 + metrics().size());
+  const torch::Tensor table = torch::zeros({static_cast<int64_t>(frames_.size()), columns}, torch::kFloat64);
+  bool stopped = false;
+  for (auto i = static_cast<size_t>(group.rank()); i < frames_.size();
+       i += static_cast<size_t>(group.size())) {
+    stopped = stop();
+    if (stopped) break;
+    const FrameOf& frame = frames_[i];
+    Batch batch = whole_frame(*frame.store, frame.index, network.config().features);
+    ValidationPicture picture;
+    picture.name = frame.store->name(frame.index);
+    if (is_shown(i, group)) picture.noisy = mean_of_samples(batch.input);
+    const torch::Tensor denoised = network.forward(std::move(batch.input));
+    double* row = table[static_cast<int64_t>(i)].data_ptr<double>();
+    *row++ = loss(denoised, batch.reference).item<double>();
+    picture.denoised = to_image(denoised.squeeze(0));
+    picture.reference = to_image(batch.reference.squeeze(0));
+    for (const Metric& metric : metrics()) *row++ = metric.compute(picture.denoised, picture.reference);
+    if (is_shown(i, group)) result.pictures.push_back(std::move(picture));
+  }
+  if (group.any(stopped, "validating")) return std::nullopt;
+  group.sum({table}, "validating");
+  const torch::Tensor means = table.mean(0);
+  const double* mean = means.data_ptr<double>();
+  result.scores[kLoss] = *mean++;
+  for (const Metric& metric : metrics()) result.scores[metric.name] = *mean++;
+  return result;
+}
+
+}  // namespace ld
