@@ -1,6 +1,7 @@
 #include "training/process_group.h"
 
 #include <gloo/transport/device.h>
+#include <torch/version.h>
 
 #include <charconv>
 #include <cstdlib>
@@ -14,6 +15,7 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/signals.h"
 #include "training/heartbeat.h"
 
 namespace ld {
@@ -78,6 +80,9 @@ Meeting meet(const ProcessGroupOptions& options) {
   store_options.port = static_cast<uint16_t>(options.port);
   store_options.isServer = options.rank == 0;
   store_options.waitWorkers = false;
+#if TORCH_VERSION_MAJOR > 2 || (TORCH_VERSION_MAJOR == 2 && TORCH_VERSION_MINOR >= 1)
+  store_options.useLibUV = false;  // which not every build of LibTorch has
+#endif
   store_options.timeout = options.start_timeout;
   Meeting meeting;
   meeting.store = c10::make_intrusive<c10d::TCPStore>(options.address, store_options);
@@ -96,17 +101,28 @@ Meeting meet(const ProcessGroupOptions& options) {
   return meeting;
 }
 
+/// Ctrl-C before anything has begun: there is nothing to save.
+class Stopped : public Error {
+ public:
+  using Error::Error;
+  int exit_code() const override { return stop_exit_code(); }
+};
+
 /// On a thread of its own, because some of it waits without a limit (for a port behind a firewall, say); such
 /// a thread is left behind.
 Meeting meet_in_time(const ProcessGroupOptions& options) {
   std::packaged_task<Meeting()> task([options] { return meet(options); });
   std::future<Meeting> meeting = task.get_future();
   std::thread(std::move(task)).detach();
-  if (meeting.wait_for(options.start_timeout + std::chrono::seconds(2)) != std::future_status::ready)
-    fail(
-        "all have come, but their connections to one another do not come about; set GLOO_SOCKET_IFNAME to "
-        "the "
-        "network interface that reaches the other machines");
+  const auto latest = std::chrono::steady_clock::now() + options.start_timeout + std::chrono::seconds(2);
+  while (meeting.wait_for(milliseconds(50)) != std::future_status::ready) {
+    if (stop_requested()) throw Stopped("stopped while waiting for the other processes");
+    if (std::chrono::steady_clock::now() > latest)
+      fail(
+          "all have come, but their connections to one another do not come about; set GLOO_SOCKET_IFNAME to "
+          "the "
+          "network interface that reaches the other machines");
+  }
   return meeting.get();
 }
 
@@ -122,7 +138,7 @@ struct ProcessGroup::Connection {
             const std::string& what) {
     for (bool completed = false; true;) {
       try {
-        work->wait(completed ? kNoTimeout : milliseconds(200));
+        work->wait(milliseconds(completed ? 0 : 200));  // 0: no limit, as nothing is left to wait for
         return;
       } catch (const std::exception& error) {
         // Either the operation failed or these milliseconds have passed, maybe both: ask once more.
@@ -152,9 +168,8 @@ ProcessGroupOptions process_group_options_from_environment() {
   options.address = variable("MASTER_ADDR");
   if (options.address.empty())
     fail_usage(
-        "the environment variable MASTER_ADDR is not set, but WORLD_SIZE={} asks for several processes; set "
-        "it "
-        "to the host of rank 0",
+        "the environment variable MASTER_ADDR is not set, but WORLD_SIZE={} asks for several processes; "
+        "set it to the host of rank 0",
         options.size);
   options.port = number_in<int>("MASTER_PORT", 1, 65535, "set it to a free port on the host of rank 0");
   options.peer_timeout = seconds_in("LD_PEER_TIMEOUT", options.peer_timeout);
@@ -179,6 +194,8 @@ ProcessGroup::ProcessGroup(const ProcessGroupOptions& options) : options_(option
     connection_->gloo = meeting.gloo;
     connection_->heartbeat =
         std::make_unique<Heartbeat>(meeting.store, options.rank, options.size, options.peer_timeout);
+  } catch (const Stopped&) {
+    throw;
   } catch (const std::exception& error) {
     fail(
         "rank {} of {}: cannot meet the other processes at {}:{} within {:g} s (MASTER_ADDR, MASTER_PORT): "

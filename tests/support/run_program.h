@@ -7,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,7 +20,9 @@ namespace ld {
 /// A program that runs in the background, its standard output and error going to one file.
 class RunningProgram {
  public:
-  RunningProgram(const std::string& name, std::vector<std::string> arguments) {
+  /// `environment`: variables that it finds besides those of the test.
+  RunningProgram(const std::string& name, std::vector<std::string> arguments,
+                 const std::map<std::string, std::string>& environment = {}) {
     arguments.insert(arguments.begin(), std::string(LD_BIN_DIR) + "/" + name);
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -29,6 +33,7 @@ class RunningProgram {
       const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       dup2(file, STDOUT_FILENO);
       dup2(file, STDERR_FILENO);
+      for (const auto& [variable, value] : environment) setenv(variable.c_str(), value.c_str(), 1);
       execv(argv[0], argv.data());
       _exit(127);
     }
