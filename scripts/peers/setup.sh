@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes out/peers/venv, a Python environment with Blender (as the module bpy) and Mitsuba 3: 1.2 GB from PyPI. Needs Python 3.11,
-# for which Blender's long-term release is there. Nothing else in the project needs it. Safe to run twice.
+# Makes out/peers/venv, a Python environment with Blender (as the module bpy), Mitsuba 3, Open Image Denoise, onnxruntime and
+# TensorBoard: 1.4 GB from PyPI. Needs Python 3.11, for which Blender's long-term release is there. Nothing else in the project needs it.
+# Safe to run twice.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 venv=out/peers/venv
@@ -39,8 +40,7 @@ if [ ${#packages[@]} -gt 0 ]; then
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${packages[@]}"
 fi
 
-rm -rf "$venv"
-"$python" -m venv "$venv"
+[ -x "$venv/bin/pip" ] || "$python" -m venv "$venv"
 "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$wanted"
 "$venv/bin/python" -c 'import bpy, mitsuba; print("peers: Blender", bpy.app.version_string, "and Mitsuba", mitsuba.__version__)'
 # A compiler that does not fit ends the whole process, so it is tried out here.

@@ -1,6 +1,7 @@
 // Times operators and networks against their LibTorch compositions: `ld_bench ops`, `ld_bench network`; the
-// renderer against Embree: `ld_bench render`; and says what the networks of training configurations cost:
-// `ld_bench config FILE ...`.
+// renderer against Embree: `ld_bench render`; says what the networks of training configurations cost:
+// `ld_bench config FILE ...`; and sets the error of trained models against their time and memory:
+// `ld_bench tradeoff --data DIR --model NAME=FILE ...`.
 
 #include <filesystem>
 #include <iostream>
@@ -10,6 +11,7 @@
 #include "benchmark/network_sweeps.h"
 #include "benchmark/render_speed.h"
 #include "benchmark/report.h"
+#include "benchmark/tradeoff.h"
 #include "core/file_io.h"
 #include "core/log.h"
 #include "ops/runtime.h"
@@ -24,6 +26,7 @@ struct Options {
   std::string out;
   std::vector<std::string> files;
   ld::LoaderBench loader;
+  ld::TradeoffOptions tradeoff;
 };
 
 /// Pictures of 32x32 with 2 samples and one run each: whether everything works, not how fast.
@@ -82,8 +85,24 @@ void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
 }
 
 struct Commands {
-  CLI::App *ops, *network, *render, *loader, *config;
+  CLI::App *ops, *network, *render, *loader, *config, *tradeoff;
 };
+
+void declare_tradeoff(CLI::App& command, ld::TradeoffOptions& tradeoff, std::string& out) {
+  command.fallthrough();
+  command.add_option("--data", tradeoff.data, "data set")->required();
+  command.add_option("--split", tradeoff.split, "which frames")->capture_default_str();
+  command.add_option("--model", tradeoff.models, "NAME=FILE: weights, checkpoint or run; may be repeated");
+  command.add_option("--images", tradeoff.images,
+                     "NAME=DIR: another denoiser's pictures of the same frames and its cost.json");
+  command.add_option("--metric", tradeoff.metric, "the error of the figure and of what counts as beaten")
+      ->capture_default_str();
+  command.add_option("--frames-limit", tradeoff.frames_limit, "only the first so many frames (default: all)");
+  command.add_option("--repeats", tradeoff.repeats, "timed runs of each model on each frame")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--out", out, "folder for tradeoff.md and tradeoff.svg");
+}
 
 void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
   command.fallthrough();
@@ -107,6 +126,9 @@ Commands declare(CLI::App& app, Options& options) {
   commands.render = app.add_subcommand("render", "the path tracer against Embree alone on the same rays");
   commands.loader = app.add_subcommand("loader", "crops from a data set, and the making of their cache");
   declare_loader(*commands.loader, options.loader);
+  commands.tradeoff =
+      app.add_subcommand("tradeoff", "trained models on a data set: error against time and memory");
+  declare_tradeoff(*commands.tradeoff, options.tradeoff, options.out);
   commands.config = app.add_subcommand("config", "what the networks of training configurations cost");
   commands.config->add_option("files", options.files, "YAML configurations")->required();
   for (CLI::App* command : {commands.ops, commands.network, commands.render, commands.config}) {
@@ -140,6 +162,18 @@ nlohmann::ordered_json run_rendering(const Options& options, int threads) {
   return ld::to_json(speeds);
 }
 
+nlohmann::ordered_json run_tradeoff(Options& options, int threads) {
+  options.tradeoff.threads = threads;
+  const auto tradeoff = ld::measure_tradeoff(options.tradeoff);
+  if (!tradeoff) {
+    spdlog::warn("stopped before the last frame: nothing was written, because half a set would mislead");
+    return nullptr;
+  }
+  publish(options, "tradeoff.md", ld::markdown(*tradeoff));
+  draw(options, "tradeoff.svg", ld::figure(*tradeoff));
+  return ld::to_json(*tradeoff);
+}
+
 nlohmann::ordered_json run_configs(const Options& options) {
   nlohmann::ordered_json json;
   for (const std::string& file : options.files)
@@ -153,7 +187,7 @@ nlohmann::ordered_json run_configs(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   ld::Application app("ld_bench",
-                      "Times operators, networks, the renderer and the loader against named baselines.");
+                      "Times operators, networks, the renderer and the loader; error against cost.");
   const Commands commands = declare(app.options(), options);
 
   return app.run(argc, argv, [&] {
@@ -170,9 +204,11 @@ int main(int argc, char** argv) {
     } else if (commands.loader->parsed()) {
       json = ld::bench_loader(options.loader);
       std::cout << ld::markdown_loader(json);
+    } else if (commands.tradeoff->parsed()) {
+      json = run_tradeoff(options, app.threads());
     } else {
       json = run_configs(options);
     }
-    app.write_json(json);
+    if (!json.is_null()) app.write_json(json);
   });
 }

@@ -43,16 +43,24 @@ std::string better_blas_kernels(const std::string& kernels, bool avx2, bool avx5
   return "";
 }
 
-void choose_blas_kernels() {
+std::string better_blas_kernels() {
 #if defined(__x86_64__)
-  if (std::getenv("OPENBLAS_CORETYPE") != nullptr) return;
+  if (std::getenv("OPENBLAS_CORETYPE") != nullptr) return "";
   const bool avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
   const bool avx512 = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512cd") != 0 &&
                       __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
                       __builtin_cpu_supports("avx512vl") != 0;
-  const std::string kernels = blas_kernels(), better = better_blas_kernels(kernels, avx2, avx512);
+  return better_blas_kernels(blas_kernels(), avx2, avx512);
+#else
+  return "";
+#endif
+}
+
+void choose_blas_kernels() {
+  const std::string better = better_blas_kernels();
   std::vector<std::string> args = arguments();
   if (better.empty() || args.empty()) return;
+  const std::string kernels = blas_kernels();
   spdlog::debug("OpenBLAS chose its {} kernels; starting again with {}", kernels, better);
   setenv("OPENBLAS_CORETYPE", better.c_str(), 1);
   std::vector<char*> argv;
@@ -62,7 +70,6 @@ void choose_blas_kernels() {
   // Only a failure returns: go on with the slow kernels.
   spdlog::warn("OpenBLAS runs its slow {} kernels on this processor; set OPENBLAS_CORETYPE={}", kernels,
                better);
-#endif
 }
 
 }  // namespace ld

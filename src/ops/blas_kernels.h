@@ -14,6 +14,9 @@ std::string blas_kernels();
 /// Skylake-X: F, CD, BW, DQ, VL); empty when `kernels` is as good or not one of OpenBLAS's for x86.
 std::string better_blas_kernels(const std::string& kernels, bool avx2, bool avx512);
 
+/// The same of this process and processor; empty when OPENBLAS_CORETYPE is set: somebody has chosen.
+std::string better_blas_kernels();
+
 /// Starts this program again, once and with its arguments, with OPENBLAS_CORETYPE naming better kernels, when
 /// there are any and the variable is not set. Call before anything is written. Returns otherwise.
 void choose_blas_kernels();

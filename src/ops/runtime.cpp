@@ -28,7 +28,23 @@ double sgemm_gflops() {
   return best;
 }
 
+/// The setting belongs to a thread: one chunk of work for each of the pool's.
+void flush_denormals(int threads, bool flush) {
+  at::parallel_for(0, threads, 1, [flush](int64_t, int64_t) { at::globalContext().setFlushDenormal(flush); });
+  at::globalContext().setFlushDenormal(flush);
+}
+
 }  // namespace
+
+RuntimeGuard::RuntimeGuard(int threads) : threads_(threads), threads_before_(at::get_num_threads()) {
+  at::set_num_threads(threads);
+  flush_denormals(threads_, true);
+}
+
+RuntimeGuard::~RuntimeGuard() {
+  flush_denormals(threads_, false);
+  at::set_num_threads(threads_before_);
+}
 
 void configure_runtime(int threads) {
   choose_blas_kernels();
@@ -36,9 +52,7 @@ void configure_runtime(int threads) {
   at::set_num_threads(1);
   const double gflops = sgemm_gflops();
   at::set_num_threads(threads);
-  // The setting belongs to a thread: one chunk of work for each of the pool's.
-  at::parallel_for(0, threads, 1, [](int64_t, int64_t) { at::globalContext().setFlushDenormal(true); });
-  at::globalContext().setFlushDenormal(true);
+  flush_denormals(threads, true);
   // The reference BLAS reaches 4 GFLOP/s, OpenBLAS 30 and more on one old core.
   if (gflops < 8)
     spdlog::warn(

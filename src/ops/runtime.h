@@ -9,4 +9,17 @@ namespace ld {
 /// so call it before anything is written.
 void configure_runtime(int threads);
 
+/// The part of it that a library may do in somebody else's program: as many threads for the calling thread's
+/// work and, while it lives, denormals flushed in all of them.
+class RuntimeGuard {
+ public:
+  explicit RuntimeGuard(int threads);
+  ~RuntimeGuard();
+  RuntimeGuard(const RuntimeGuard&) = delete;
+  RuntimeGuard& operator=(const RuntimeGuard&) = delete;
+
+ private:
+  int threads_, threads_before_;
+};
+
 }  // namespace ld

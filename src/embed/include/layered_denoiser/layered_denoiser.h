@@ -1,0 +1,100 @@
+/* Denoises frames of Monte Carlo samples with weights that ld_train or ld_export wrote: the C interface.
+ * layered_denoiser.hpp wraps it for C++. Neither needs a header of LibTorch.
+ *
+ *   LdDenoiser* denoiser = NULL;
+ *   if (ld_create("layer.safetensors", &denoiser) != LD_OK) { puts(ld_error()); return 1; }
+ *   ld_set_size(denoiser, width, height, spp);
+ *   ld_set_feature(denoiser, "radiance", radiance, NULL);   one call for each name of ld_feature_name()
+ *   if (ld_denoise(denoiser, picture, NULL) != LD_OK) puts(ld_error());
+ *   ld_destroy(denoiser);
+ *
+ * Units, axes and signs of the features stand in docs/data_format.md: radiance is linear and scene-referred,
+ * normals are in view space, depth is 65504 where the ray escaped.
+ *
+ * Threads: one denoiser must not be used by two threads at once; two denoisers may. The work inside one call
+ * runs on ld_set_threads() threads. */
+#ifndef LAYERED_DENOISER_H
+#define LAYERED_DENOISER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define LD_API __attribute__((visibility("default")))
+#else
+#define LD_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct LdDenoiser LdDenoiser;
+
+typedef enum LdStatus {
+  LD_OK = 0,
+  LD_INVALID_ARGUMENT = 1, /* the caller's mistake: an unknown feature, a missing buffer, a size of 0 */
+  LD_FAILED = 2,           /* a missing or damaged weight file, a budget that is too small, no memory */
+  LD_CANCELLED = 3         /* the progress function asked to stop; the output was not touched */
+} LdStatus;
+
+/* Where the numbers of a buffer lie, in floats: sample s, channel c, row y, column x is at
+ * data[s * sample + c * channel + y * row + x * pixel]. NULL where one is asked for means planes one after
+ * the other: [spp][channels][height][width] for features, [3][height][width] for the picture. */
+typedef struct LdStrides {
+  ptrdiff_t sample, channel, row, pixel;
+} LdStrides;
+
+/* Called now and then with the share that is done, 0 to 1; returning 0 cancels. */
+typedef int (*LdProgress)(double share, void* user);
+
+/* "0.1.0" */
+LD_API const char* ld_version(void);
+
+/* What went wrong in the last call of this thread that did not return LD_OK, one line; "" before the first.
+ * Stays valid until this thread's next call. */
+LD_API const char* ld_error(void);
+
+/* A line of advice when the matrix library under LibTorch runs slower than this processor can, "" otherwise:
+ * OpenBLAS reads OPENBLAS_CORETYPE when it is loaded, so only whoever starts the program can set it. */
+LD_API const char* ld_performance_advice(void);
+
+/* Threads of all denoisers of this process from the next call on; 0: the CPUs that it may use (the default).
+ */
+LD_API LdStatus ld_set_threads(int threads);
+
+/* Loads a weight file (.safetensors), a checkpoint folder or a run folder. `*denoiser` is NULL on failure. */
+LD_API LdStatus ld_create(const char* weights, LdDenoiser** denoiser);
+LD_API void ld_destroy(LdDenoiser* denoiser); /* NULL is fine */
+
+/* The features that these weights read; each must be set before ld_denoise(). */
+LD_API int ld_feature_count(const LdDenoiser* denoiser);
+LD_API const char* ld_feature_name(const LdDenoiser* denoiser, int index); /* NULL beyond the count */
+LD_API int ld_feature_channels(const LdDenoiser* denoiser, int index);     /* 0 beyond the count */
+
+/* Size of the following frames, in pixels and samples a pixel, from 1. Forgets all buffers. */
+LD_API LdStatus ld_set_size(LdDenoiser* denoiser, int width, int height, int spp);
+
+/* The samples of a feature. The memory stays the caller's and is read by ld_denoise(). Samples with a NaN or
+ * an infinity are left out as if they had not been drawn. */
+LD_API LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const float* data,
+                               const LdStrides* strides);
+
+/* Which samples were drawn, [spp][height][width], 0 for no; NULL (the default): all. */
+LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
+
+/* Bounds the memory beyond buffers and weights, in MB of 10^6 bytes; 0 (the default): no bound. The picture
+ * is the same within 1e-5. A bound that is too small makes ld_denoise() fail and name the smallest one. */
+LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
+
+/* NULL (the default): none. */
+LD_API LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user);
+
+/* Denoises the frame into `picture`: linear R, G, B. It is written only when the call succeeds. */
+LD_API LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strides);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

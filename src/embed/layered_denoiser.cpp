@@ -1,0 +1,166 @@
+#include "layered_denoiser/layered_denoiser.h"
+
+#include <algorithm>
+#include <exception>
+#include <functional>
+#include <new>
+#include <string>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "embed/frame_buffers.h"
+#include "inference/denoiser.h"
+#include "ops/blas_kernels.h"
+#include "ops/runtime.h"
+
+struct LdDenoiser {
+  explicit LdDenoiser(const char* weights) : denoiser(weights) {}
+
+  ld::Denoiser denoiser;
+  ld::FrameBuffers buffers;
+  ld::DenoiseOptions options;
+  bool cancelled = false;  // by the progress function of the call that runs
+};
+
+namespace {
+
+thread_local std::string last_error;
+int chosen_threads = 0;  // 0: default_threads()
+
+LdStatus refuse(LdStatus status, const std::string& why) {
+  last_error = why;
+  return status;
+}
+
+/// No exception leaves the library: C cannot catch it.
+LdStatus guarded(const std::function<void()>& body) {
+  try {
+    body();
+    return LD_OK;
+  } catch (const ld::Cancelled& cancelled) {
+    return refuse(LD_CANCELLED, cancelled.what());
+  } catch (const ld::UsageError& error) {
+    return refuse(LD_INVALID_ARGUMENT, error.what());
+  } catch (const std::bad_alloc&) {
+    return refuse(LD_FAILED, "out of memory; set a bound with ld_set_max_memory");
+  } catch (const std::exception& error) {
+    return refuse(LD_FAILED, error.what());
+  }
+}
+
+int threads() {
+  return chosen_threads > 0 ? chosen_threads : ld::default_threads();
+}
+
+const std::string* feature(const LdDenoiser* denoiser, int index) {
+  if (denoiser == nullptr || index < 0) return nullptr;
+  const auto& features = denoiser->denoiser.features();
+  return size_t(index) < features.size() ? &features[size_t(index)] : nullptr;
+}
+
+constexpr const char* kNoDenoiser = "the denoiser is a null pointer; ld_create makes one";
+
+}  // namespace
+
+extern "C" {
+
+const char* ld_version(void) {
+  return LD_VERSION;
+}
+
+const char* ld_error(void) {
+  return last_error.c_str();
+}
+
+const char* ld_performance_advice(void) {
+  static const std::string advice = [] {
+    const std::string better = ld::better_blas_kernels();
+    if (better.empty()) return std::string();
+    return "OpenBLAS runs its " + ld::blas_kernels() +
+           " kernels on this processor; start the program with OPENBLAS_CORETYPE=" + better;
+  }();
+  return advice.c_str();
+}
+
+LdStatus ld_set_threads(int count) {
+  if (count < 0 || count > 4096)
+    return refuse(LD_INVALID_ARGUMENT, std::to_string(count) + " threads; expected 0 (all) to 4096");
+  chosen_threads = count;
+  return LD_OK;
+}
+
+LdStatus ld_create(const char* weights, LdDenoiser** denoiser) {
+  if (denoiser == nullptr)
+    return refuse(LD_INVALID_ARGUMENT, "ld_create: there is nowhere to put the denoiser");
+  *denoiser = nullptr;
+  if (weights == nullptr)
+    return refuse(LD_INVALID_ARGUMENT, "ld_create: the path of the weights is a null pointer");
+  return guarded([&] { *denoiser = new LdDenoiser(weights); });
+}
+
+void ld_destroy(LdDenoiser* denoiser) {
+  delete denoiser;
+}
+
+int ld_feature_count(const LdDenoiser* denoiser) {
+  return denoiser == nullptr ? 0 : int(denoiser->denoiser.features().size());
+}
+
+const char* ld_feature_name(const LdDenoiser* denoiser, int index) {
+  const std::string* name = feature(denoiser, index);
+  return name == nullptr ? nullptr : name->c_str();
+}
+
+int ld_feature_channels(const LdDenoiser* denoiser, int index) {
+  const std::string* name = feature(denoiser, index);
+  return name == nullptr ? 0 : ld::find_feature(*name).channels;
+}
+
+LdStatus ld_set_size(LdDenoiser* denoiser, int width, int height, int spp) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  return guarded([&] { denoiser->buffers.set_size(width, height, spp); });
+}
+
+LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const float* data, const LdStrides* strides) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  if (name == nullptr) return refuse(LD_INVALID_ARGUMENT, "the name of the feature is a null pointer");
+  return guarded([&] { denoiser->buffers.set_feature(name, data, strides); });
+}
+
+LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  denoiser->buffers.set_valid(valid);
+  return LD_OK;
+}
+
+LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  denoiser->options.max_memory_bytes = int64_t(std::min(megabytes, size_t(1'000'000'000))) * 1'000'000;
+  return LD_OK;
+}
+
+LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  denoiser->options.progress = nullptr;
+  denoiser->options.cancel = nullptr;
+  if (progress != nullptr) {
+    denoiser->options.progress = [denoiser, progress, user](double share) {
+      denoiser->cancelled = progress(share, user) == 0;
+    };
+    denoiser->options.cancel = [denoiser] { return denoiser->cancelled; };
+  }
+  return LD_OK;
+}
+
+LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strides) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  if (picture == nullptr) return refuse(LD_INVALID_ARGUMENT, "the picture to write is a null pointer");
+  return guarded([&] {
+    const ld::RuntimeGuard runtime(threads());
+    denoiser->cancelled = false;
+    ld::Frame frame = denoiser->buffers.gather(denoiser->denoiser.features());
+    ld::scatter(denoiser->denoiser.denoise(std::move(frame), denoiser->options), picture, strides);
+  });
+}
+
+}  // extern "C"

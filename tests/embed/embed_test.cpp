@@ -1,0 +1,152 @@
+// The C interface against the class that it wraps, and what it says to wrong calls.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "inference/denoiser.h"
+#include "layered_denoiser/layered_denoiser.hpp"
+#include "tests/support/random_frame.h"
+
+namespace ld {
+namespace {
+
+const std::filesystem::path kWeights =
+    std::filesystem::path(LD_SOURCE_DIR) / "tests/fixtures/before_simd/layer.safetensors";
+
+/// All samples of one feature of a frame, [spp][channels][height][width].
+std::vector<float> samples_of(const Frame& frame, const std::string& name) {
+  const Feature& feature = find_feature(name);
+  std::vector<float> data;
+  for (int s = 0; s < frame.spp; ++s)
+    data.insert(data.end(), frame.plane(s, feature.offset),
+                frame.plane(s, feature.offset) + size_t(feature.channels) * frame.plane_size());
+  return data;
+}
+
+class Embed : public ::testing::Test {
+ protected:
+  Embed() : denoiser_(kWeights.string()), frame_(random_frame(13, 9, 3)) {
+    ld_set_threads(1);
+    denoiser_.set_size(frame_.width, frame_.height, frame_.spp);
+    for (const auto& [name, channels] : denoiser_.features()) buffers_.push_back(samples_of(frame_, name));
+  }
+  void set_all() {
+    for (size_t i = 0; i < buffers_.size(); ++i)
+      denoiser_.set_feature(denoiser_.features()[i].name, buffers_[i].data());
+  }
+  std::vector<float> denoise() {
+    std::vector<float> picture(3 * frame_.plane_size(), -1);
+    denoiser_.denoise(picture.data());
+    return picture;
+  }
+  /// The error of a call that must fail.
+  std::string failure(LdStatus expected, const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const layered_denoiser::Failure& failure) {
+      EXPECT_EQ(failure.status(), expected);
+      return failure.what();
+    }
+    ADD_FAILURE() << "the call succeeded";
+    return "";
+  }
+
+  layered_denoiser::Denoiser denoiser_;
+  Frame frame_;
+  std::vector<std::vector<float>> buffers_;
+};
+
+TEST_F(Embed, GivesThePictureOfTheDenoiserBitForBit) {
+  set_all();
+  EXPECT_EQ(denoise(), Denoiser(kWeights).denoise(frame_).pixels);
+}
+
+TEST_F(Embed, TakesAnyLayout) {
+  set_all();
+  const std::vector<float> expected = denoise();
+  // Samples of a pixel side by side, each with its channels; the picture likewise.
+  const ptrdiff_t width = frame_.width, height = frame_.height, spp = frame_.spp;
+  std::vector<std::vector<float>> interleaved;
+  for (size_t i = 0; i < buffers_.size(); ++i) {
+    const auto [name, channels] = denoiser_.features()[i];
+    const LdStrides strides = {channels, 1, width * spp * channels, spp * channels};
+    std::vector<float>& data = interleaved.emplace_back(buffers_[i].size());
+    const float* from = buffers_[i].data();
+    for (ptrdiff_t s = 0; s < spp; ++s)
+      for (ptrdiff_t c = 0; c < channels; ++c)
+        for (ptrdiff_t y = 0; y < height; ++y)
+          for (ptrdiff_t x = 0; x < width; ++x)
+            data[size_t(s * strides.sample + c + y * strides.row + x * strides.pixel)] = *from++;
+    denoiser_.set_feature(name, data.data(), &strides);
+  }
+  std::vector<float> picture(expected.size());
+  const LdStrides rgb = {0, 1, 3 * width, 3};
+  denoiser_.denoise(picture.data(), &rgb);
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t p = 0; p < frame_.plane_size(); ++p)
+      ASSERT_EQ(picture[3 * p + c], expected[c * frame_.plane_size() + p]) << p;
+}
+
+TEST_F(Embed, SamplesThatAreNotFiniteOrNotDrawnCountForNothing) {
+  set_all();
+  std::vector<uint8_t> valid(size_t(frame_.spp) * frame_.plane_size(), 255);
+  valid[5] = 0;
+  denoiser_.set_valid(valid.data());
+  const std::vector<float> expected = denoise();
+  for (const float value : expected) ASSERT_TRUE(std::isfinite(value));
+  denoiser_.set_valid(nullptr);
+  EXPECT_NE(denoise(), expected);
+  for (size_t i = 0; i < buffers_.size(); ++i)
+    if (denoiser_.features()[i].name == "radiance") buffers_[i][5] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(denoise(), expected);
+}
+
+TEST_F(Embed, AMissingFeatureIsNamed) {
+  denoiser_.set_feature("radiance", buffers_[0].data());
+  const std::string error = failure(LD_INVALID_ARGUMENT, [&] { denoise(); });
+  EXPECT_NE(error.find("'normal'"), std::string::npos) << error;
+  EXPECT_NE(error.find("ld_set_feature"), std::string::npos) << error;
+}
+
+TEST_F(Embed, WrongCallsSayWhatIsWrong) {
+  EXPECT_NE(failure(LD_INVALID_ARGUMENT, [&] { denoiser_.set_feature("albdo", buffers_[0].data()); })
+                .find("did you mean 'albedo'"),
+            std::string::npos);
+  EXPECT_NE(failure(LD_INVALID_ARGUMENT, [&] { denoiser_.set_feature("radiance", nullptr); }).find("null"),
+            std::string::npos);
+  EXPECT_NE(failure(LD_INVALID_ARGUMENT, [&] { denoiser_.set_size(0, 4, 1); }).find("0x4"),
+            std::string::npos);
+  EXPECT_NE(failure(LD_INVALID_ARGUMENT, [&] { denoiser_.set_size(2000000, 2000000, 8); }).find("1000 GB"),
+            std::string::npos);
+  EXPECT_NE(failure(LD_FAILED, [] { layered_denoiser::Denoiser("/nowhere/w.safetensors"); })
+                .find("/nowhere/w.safetensors"),
+            std::string::npos);
+  EXPECT_EQ(ld_set_threads(-1), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_create(nullptr, nullptr), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_denoise(nullptr, nullptr, nullptr), LD_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(ld_error()).find("null"), std::string::npos);
+  EXPECT_EQ(ld_feature_count(nullptr), 0);
+  EXPECT_EQ(ld_feature_name(nullptr, 0), nullptr);
+  ld_destroy(nullptr);
+}
+
+TEST_F(Embed, ACancelledCallLeavesThePictureAlone) {
+  set_all();
+  denoiser_.set_progress([](double) { return false; });
+  std::vector<float> picture(3 * frame_.plane_size(), -1);
+  failure(LD_CANCELLED, [&] { denoiser_.denoise(picture.data()); });
+  EXPECT_EQ(picture, std::vector<float>(picture.size(), -1));
+  double largest = 0;
+  denoiser_.set_progress([&](double share) {
+    largest = std::max(largest, share);
+    return true;
+  });
+  denoiser_.denoise(picture.data());
+  EXPECT_EQ(largest, 1);
+}
+
+}  // namespace
+}  // namespace ld
