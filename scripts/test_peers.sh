@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Runs what works with other renderers, small: data sets by Blender Cycles and by Mitsuba 3, trained on and evaluated, and the
-# comparison of renderers at a low resolution. Installs them on first use (scripts/peers/setup.sh: 1.2 GB from PyPI and, where they are
-# missing, Debian's python3-venv and libraries). scripts/test.sh does not need any of this. Everything lands in out/peers/test/.
+# Runs what works with other programs, small: data sets by Blender Cycles and by Mitsuba 3, trained on and evaluated; the comparison
+# of renderers at a low resolution; exported networks in onnxruntime; Open Image Denoise beside a network of ours; event files in
+# TensorBoard's reader. Installs them on first use (scripts/peers/setup.sh: 1.4 GB from PyPI and, where they are missing, Debian's
+# python3-venv and libraries). scripts/test.sh does not need any of this. Everything lands in out/peers/test/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/peers/setup.sh
@@ -28,14 +29,24 @@ assert "quick" in text and "noisy" in text and "nan" not in text.lower(), "the t
 END
 }
 
-step "1/3 Blender Cycles: a .blend file to a data set, training, evaluation"
+step "1/6 Blender Cycles: a .blend file to a data set, training, evaluation"
 "$python" scripts/peers/blender_dataset.py --out $out/blender --frames 4 "${small[@]}"
 check $out/blender
 
-step "2/3 Mitsuba 3: a scene to a data set, training, evaluation"
+step "2/6 Mitsuba 3: a scene to a data set, training, evaluation"
 "$python" scripts/peers/mitsuba_dataset.py --out $out/mitsuba --views 4 "${small[@]}"
 check $out/mitsuba
 
-step "3/3 The renderers compared: small and noisy, so only a gross difference shows"
+step "3/6 The renderers compared: small and noisy, so only a gross difference shows"
 "$python" scripts/peers/compare_renderers.py --out $out/compare --size 48 --spp 256 --limit 5
-step "Done: both data sets and both comparisons passed"
+step "4/6 Exported networks in onnxruntime: every network of the registry, three sizes"
+"$python" scripts/peers/check_onnx.py --out $out/onnx
+
+step "5/6 Open Image Denoise on the same frames, beside the network trained on them"
+"$python" scripts/peers/oidn_denoise.py --data $out/blender --out $out/oidn --repeats 1
+build/bin/ld_bench tradeoff --data $out/blender --model "quick=$out/blender.run" --images "oidn=$out/oidn" --repeats 1 --out $out/tradeoff
+grep -q '^| oidn' $out/tradeoff/tradeoff.md
+
+step "6/6 Event files in TensorBoard's own reader"
+"$python" scripts/peers/read_tensorboard.py $out/blender.run
+step "Done: data sets, comparisons, ONNX, Open Image Denoise and TensorBoard passed"
