@@ -1,93 +1,100 @@
-// Scores models against the noisy input and the best Gaussian blur:
-// `ld_eval --data DIR --model NAME=FILE ... --out DIR`.
+// Scores models, and pictures that other denoisers wrote, against the noisy input and the best Gaussian blur:
+// `ld_eval --data DIR --model NAME=FILE ... --images NAME=DIR ... --out DIR`.
 
-#include <algorithm>
-#include <filesystem>
 #include <iostream>
-#include <memory>
 
 #include "apps/app.h"
-#include "core/file_io.h"
+#include "benchmark/model_method.h"
 #include "core/log.h"
-#include "core/signals.h"
 #include "evaluation/data_set.h"
-#include "evaluation/evaluator.h"
-#include "evaluation/method.h"
-#include "evaluation/strips.h"
+#include "evaluation/image_folder.h"
+#include "evaluation/results.h"
 #include "evaluation/tables.h"
-#include "inference/denoiser.h"
 #include "ops/runtime.h"
 
 namespace {
 
-namespace fs = std::filesystem;
+struct Options {
+  std::string data, out, split = "test", baseline;
+  std::vector<std::string> models, images;
+  size_t frames_limit = 0;
+  bool per_frame = false;
+  ld::ReportOptions report;
+};
 
-/// Loads the models; `features` receives every feature that one of them needs.
-std::vector<ld::Method> load_methods(const std::vector<ld::ModelArgument>& models,
-                                     std::vector<std::string>& features) {
-  std::vector<ld::Method> methods;
-  for (const ld::ModelArgument& model : models) {
-    const auto denoiser = std::make_shared<const ld::Denoiser>(model.file);
-    for (const std::string& feature : denoiser->features())
-      if (std::find(features.begin(), features.end(), feature) == features.end()) features.push_back(feature);
-    methods.push_back({model.name, [denoiser](const ld::Frame& frame) { return denoiser->denoise(frame); }});
-  }
-  return methods;
-}
-
-void write_results(const ld::Evaluation& evaluation, bool per_frame, const fs::path& out) {
-  if (per_frame) std::cout << ld::markdown_frames(evaluation) << "\n";
-  std::cout << ld::markdown_means(evaluation) << std::flush;
-  ld::write_file_atomically(out / "metrics.csv", ld::to_csv(evaluation));
-  ld::write_file_atomically(out / "metrics.json", ld::to_json(evaluation).dump(2) + "\n");
+void declare(CLI::App& app, Options& options) {
+  app.add_option("--data", options.data, "data set: a folder with manifest.json")->required();
+  app.add_option("--model", options.models,
+                 "NAME=FILE: weights, checkpoint folder or run folder; may be repeated");
+  app.add_option("--images", options.images,
+                 "NAME=DIR: pictures of another denoiser, DIR/FRAME.exr (linear); may be repeated");
+  app.add_option("--out", options.out, "folder for tables, pictures and report.html")->required();
+  app.add_option("--split", options.split, "which frames: train, validation or test")->capture_default_str();
+  app.add_option("--baseline", options.baseline,
+                 "what the others are compared with (default: the first given)");
+  app.add_option("--frames-limit", options.frames_limit, "only the first so many frames (default: all)")
+      ->check(CLI::Range(1, 1'000'000));
+  app.add_flag("--per-frame", options.per_frame, "also print a row for each frame");
+  app.add_option("--report-frames", options.report.frames, "pictures of so many frames go into report.html")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--report-side", options.report.side,
+                 "the report shows the middle of larger pictures, so many pixels a side")
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
+  app.add_flag_callback(
+      "--formulas",
+      [] {
+        std::cout << ld::formulas_text();
+        throw CLI::Success();
+      },
+      "print the metrics' formulas and exit");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string data, out, split = "test";
-  std::vector<std::string> models;
-  size_t frames_limit = 0;
-  bool per_frame = false;
+  Options options;
   ld::Application app("ld_eval",
-                      "Scores models against the noisy input and the best Gaussian blur of a data set.");
-  app.options().add_option("--data", data, "data set: a folder with manifest.json")->required();
-  app.options().add_option("--model", models,
-                           "NAME=FILE: weights, checkpoint folder or run folder; may be repeated");
-  app.options()
-      .add_option("--out", out, "folder for metrics.csv, metrics.json and comparison pictures")
-      ->required();
-  app.options()
-      .add_option("--split", split, "which frames: train, validation or test")
-      ->capture_default_str();
-  app.options()
-      .add_option("--frames-limit", frames_limit, "only the first so many frames (default: all)")
-      ->check(CLI::Range(1, 1'000'000));
-  app.options().add_flag("--per-frame", per_frame, "also print a row for each frame");
+                      "Scores models and others' pictures against the noisy input and the best blur.");
+  declare(app.options(), options);
 
   return app.run(argc, argv, [&] {
-    const std::vector<ld::ModelArgument> arguments = ld::parse_model_arguments(models);
+    const auto arguments = ld::parse_model_arguments(options.models);
+    const auto folders = ld::parse_named_arguments("--images", "oidn=out/oidn", options.images);
     ld::configure_runtime(app.threads());
     std::vector<std::string> features = {"radiance"};
-    const std::vector<ld::Method> methods = load_methods(arguments, features);
-    const ld::FrameSet frames = ld::open_frame_set(data, split, features, frames_limit);
+    const std::vector<ld::LoadedModel> models = ld::load_models(arguments, features);
+    const ld::FrameSet frames =
+        ld::open_frame_set(options.data, options.split, features, options.frames_limit);
+    std::vector<ld::Method> methods;
+    if (!models.empty()) {
+      const ld::Frame first = frames.load(0).frame;
+      for (const ld::LoadedModel& model : models)
+        methods.push_back(ld::method_of(model, ld::cost_of(model, first)));
+    }
+    for (const ld::ModelArgument& folder : folders)
+      methods.push_back(ld::image_folder_method(folder.name, folder.file, frames.names));
+    ld::check_baseline(options.baseline, methods);
 
-    ld::StripWriter strips(out, frames.count);
-    ld::EvaluatorOptions options;
-    options.threads = app.threads();
-    options.on_pictures = [&](size_t frame, const std::string& name,
-                              const std::vector<ld::LabelledPicture>& pictures) {
-      strips.add(frame, name, pictures);
+    ld::ResultWriter results(options.out, frames.count, options.report);
+    ld::EvaluatorOptions evaluator;
+    evaluator.threads = app.threads();
+    evaluator.on_pictures = [&](size_t frame, const std::string& name,
+                                const std::vector<ld::LabelledPicture>& pictures) {
+      results.add(frame, name, pictures);
     };
-    std::optional<ld::Evaluation> evaluation = ld::evaluate(frames, methods, options);
+    std::optional<ld::Evaluation> evaluation = ld::evaluate(frames, methods, evaluator);
     if (!evaluation) {
       spdlog::warn("stopped before the last frame: no table was written, because half a set would mislead");
       return;
     }
-    evaluation->data = data;
-    evaluation->split = split;
-    write_results(*evaluation, per_frame, out);
+    evaluation->data = options.data;
+    evaluation->split = options.split;
+    evaluation->baseline = options.baseline;
+    std::cout << ld::results_text(*evaluation, options.per_frame) << std::flush;
+    results.write(*evaluation);
     app.write_json(ld::to_json(*evaluation));
-    spdlog::info("tables and pictures in {}; look at {}", out, strips.finish().string());
+    spdlog::info("tables and pictures in {}; open {}/report.html in a browser", options.out, options.out);
   });
 }

@@ -30,12 +30,14 @@ class LdEval : public testing::Test {
 TEST_F(LdEval, WithoutModelsItComparesTheBaselinesAndWritesAllFiles) {
   const ProgramResult result = run({"--split", "train", "--json", path("copy.json")});
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const std::string text :
-       {"| method ", "| noisy ", "| blur ", "epsilon 0.0001", "its width chosen for each metric"})
+  for (const std::string text : {"| method ", "| noisy ", "| blur ", "epsilon 0.0001",
+                                 "its width chosen for each metric", "(d - r)^2 / (r^2 + 0.0001)",
+                                 "95 % confidence intervals", "In pairs with noisy", "3 frames are too few"})
     EXPECT_NE(result.output.find(text), std::string::npos) << text << " in\n" << result.output;
   EXPECT_EQ(result.output.find("| frame_"), std::string::npos) << "rows for each frame only on request";
-  for (const std::string name : {"metrics.csv", "metrics.json", "comparison.png", "strips/frame_0.png",
-                                 "strips/frame_1.png", "strips/frame_2.png"})
+  for (const std::string name :
+       {"metrics.csv", "metrics.json", "comparison.csv", "comparison.png", "report.html",
+        "strips/frame_0.png", "strips/frame_1.png", "strips/frame_2.png"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
 
   // The numbers are those of the library, up to JSON's text.
@@ -73,6 +75,38 @@ TEST_F(LdEval, AModelIsScoredOnWhatTheInferenceProgramMakesOfTheFrame) {
         << metric.name;
   EXPECT_GT(json["seconds"].get<double>(), 0);
   EXPECT_EQ(json["not_finite"], 0);
+  EXPECT_GT(json["parameters"].get<int>(), 100);
+  EXPECT_GT(json["multiply_adds_per_pixel"].get<double>(), 100);
+}
+
+TEST_F(LdEval, PicturesOfAnotherDenoiserAreScoredAndCompared) {
+  fs::create_directory(folder_ / "other");
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = "frame_" + std::to_string(i);
+    fs::copy_file(folder_ / "data" / (name + ".reference.exr"), folder_ / "other" / (name + ".exr"));
+  }
+  const ProgramResult result =
+      run({"--images", "oidn=" + path("other"), "--baseline", "blur", "--split", "train"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto json = nlohmann::json::parse(read_file(folder_ / "out" / "metrics.json"));
+  EXPECT_EQ(json["methods"]["oidn"]["mean"]["smape"], 0);
+  EXPECT_FALSE(json["methods"]["oidn"].contains("seconds"));
+  EXPECT_EQ(json["comparison"]["baseline"], "blur");
+  EXPECT_EQ(json["comparison"]["methods"]["oidn"]["smape"]["better"], 3);
+  EXPECT_NE(read_file(folder_ / "out" / "comparison.csv").find("blur,oidn,smape,3,-"), std::string::npos);
+
+  fs::remove(folder_ / "other" / "frame_1.exr");
+  expect_failure(run({"--images", "oidn=" + path("other"), "--split", "train"}), 1,
+                 {"frame_1.exr is missing (1 of 3 frames"});
+  expect_failure(run({"--images", "oidn"}), 2, {"expected NAME=DIR"});
+  expect_failure(run({"--baseline", "oidn"}), 2, {"--baseline oidn", "noisy, blur"});
+}
+
+TEST_F(LdEval, FormulasNeedNoDataSet) {
+  const ProgramResult result = run_program("ld_eval", {"--formulas"});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  for (const Metric& metric : metrics())
+    EXPECT_NE(result.output.find(metric.title + " = " + metric.formula), std::string::npos) << result.output;
 }
 
 TEST_F(LdEval, RowsForEachFrameAndALimitOnRequest) {
@@ -84,11 +118,13 @@ TEST_F(LdEval, RowsForEachFrameAndALimitOnRequest) {
 TEST_F(LdEval, TheSameFramesGiveTheSameBytes) {
   ASSERT_EQ(run().exit_code, 0);
   const std::string json = read_file(folder_ / "out" / "metrics.json"),
-                    strip = read_file(folder_ / "out/strips/frame_4.png");
+                    strip = read_file(folder_ / "out/strips/frame_4.png"),
+                    report = read_file(folder_ / "out/report.html");
   fs::remove_all(folder_ / "out");
   ASSERT_EQ(run({"--threads", "3"}).exit_code, 0);
   EXPECT_EQ(read_file(folder_ / "out" / "metrics.json"), json);
   EXPECT_EQ(read_file(folder_ / "out/strips/frame_4.png"), strip);
+  EXPECT_EQ(read_file(folder_ / "out/report.html"), report);
 }
 
 TEST_F(LdEval, WrongCommandLinesExitWithTwoAndWriteNothing) {
