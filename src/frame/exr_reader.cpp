@@ -39,11 +39,11 @@ void ExrReader::check_pixels() const {
   for (int part = 0; part < parts(); ++part) {
     std::vector<float> row(static_cast<size_t>(width(part)));
     const Imf::ChannelList& channels = header(part).channels();
-    std::vector<ExrPlane> planes;
+    std::vector<ExrTypedPlane> planes;
     for (auto it = channels.begin(); it != channels.end(); ++it)
       if (it.channel().type != Imf::UINT && it.channel().xSampling == 1 && it.channel().ySampling == 1)
-        planes.push_back({it.name(), row.data()});
-    if (!planes.empty()) read_rows(part, planes, 0);
+        planes.push_back({it.name(), Imf::FLOAT, reinterpret_cast<char*>(row.data())});
+    if (!planes.empty()) read_rows(part, planes, Rows::same);
   }
 }
 
@@ -90,19 +90,27 @@ void ExrReader::require_channel(int part, const std::string& channel, const std:
 }
 
 void ExrReader::read(int part, const std::vector<ExrPlane>& planes) const {
-  read_rows(part, planes, sizeof(float) * static_cast<size_t>(width(part)));
+  std::vector<ExrTypedPlane> typed;
+  for (const ExrPlane& plane : planes)
+    typed.push_back({plane.channel, Imf::FLOAT, reinterpret_cast<char*>(plane.pixels)});
+  read_rows(part, typed, Rows::follow);
 }
 
-void ExrReader::read_rows(int part, const std::vector<ExrPlane>& planes, size_t row_bytes) const {
+void ExrReader::read_typed(int part, const std::vector<ExrTypedPlane>& planes) const {
+  read_rows(part, planes, Rows::follow);
+}
+
+void ExrReader::read_rows(int part, const std::vector<ExrTypedPlane>& planes, Rows rows) const {
   const Imath::Box2i& window = header(part).dataWindow();
   try {
     Imf::FrameBuffer buffer;
-    for (const ExrPlane& plane : planes) {
+    for (const ExrTypedPlane& plane : planes) {
+      const size_t pixel_bytes = plane.type == Imf::HALF ? 2 : 4;
+      const size_t row_bytes = rows == Rows::same ? 0 : pixel_bytes * static_cast<size_t>(width(part));
       // Not Slice::Make(), which takes a stride of 0 for one that it should compute.
-      char* origin = reinterpret_cast<char*>(plane.pixels) -
-                     static_cast<std::ptrdiff_t>(sizeof(float)) * window.min.x -
+      char* origin = plane.pixels - static_cast<std::ptrdiff_t>(pixel_bytes) * window.min.x -
                      static_cast<std::ptrdiff_t>(row_bytes) * window.min.y;
-      buffer.insert(plane.channel, Imf::Slice(Imf::FLOAT, origin, sizeof(float), row_bytes));
+      buffer.insert(plane.channel, Imf::Slice(plane.type, origin, pixel_bytes, row_bytes));
     }
     if (header(part).type() == Imf::TILEDIMAGE) {
       Imf::TiledInputPart input(*file_, part);

@@ -3,6 +3,7 @@
 
 #include <ImfHeader.h>
 #include <ImfMultiPartInputFile.h>
+#include <ImfPixelType.h>
 
 #include <filesystem>
 #include <memory>
@@ -15,6 +16,13 @@ namespace ld {
 struct ExrPlane {
   std::string channel;
   float* pixels;
+};
+
+/// A channel in the type that the pixels are wanted in.
+struct ExrTypedPlane {
+  std::string channel;
+  Imf::PixelType type;
+  char* pixels;
 };
 
 /// Every complaint, OpenEXR's included, is an Error that names the file and, where it has one, the part.
@@ -38,13 +46,18 @@ class ExrReader {
   /// Reads channels that require_channel() let pass.
   void read(int part, const std::vector<ExrPlane>& planes) const;
 
+  /// Reads channels that are not subsampled, of any type; integers as integers only.
+  void read_typed(int part, const std::vector<ExrTypedPlane>& planes) const;
+
  private:
   std::string where(int part) const;
 
   /// Decodes every pixel into one row of memory where the file is so small for what it declares that it is
   /// likely to lie: whoever reads it next allocates the whole.
   void check_pixels() const;
-  void read_rows(int part, const std::vector<ExrPlane>& planes, size_t row_bytes) const;
+  /// Rows follow one another as pixels do, or all go to one row.
+  enum class Rows { follow, same };
+  void read_rows(int part, const std::vector<ExrTypedPlane>& planes, Rows rows) const;
 
   std::string path_;
   std::unique_ptr<Imf::MultiPartInputFile> file_;

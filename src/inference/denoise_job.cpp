@@ -1,0 +1,162 @@
+#include "inference/denoise_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include "core/signals.h"
+#include "frame/frame_file.h"
+#include "frame/frame_pair.h"
+#include "inference/denoiser.h"
+#include "models/network_config.h"
+
+namespace ld {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int64_t kSteps = 100;  // of the progress of one frame
+
+/// A part of the colour and, where it is not empty, a further plane.
+PicturePart layer_part(const std::string& name, const Image& colour, const Image& further,
+                       const char* channel) {
+  Image planes(colour.width, colour.height, 3 + further.channels);
+  const auto end = std::copy(colour.pixels.begin(), colour.pixels.end(), planes.pixels.begin());
+  std::copy(further.pixels.begin(), further.pixels.end(), end);
+  std::vector<std::string> channels = {"R", "G", "B"};
+  if (further.channels > 0) channels.emplace_back(channel);
+  return {name, std::move(planes), channels};
+}
+
+class Run {
+ public:
+  explicit Run(const DenoiseJob& job)
+      : job_(job), denoiser_(job.model), progress_("denoising", int64_t(job.tasks.size()) * kSteps) {
+    how_.max_memory_bytes = job.max_memory_bytes;
+    how_.cancel = stop_requested;
+    how_.progress = [this](double share) { advance_to(int64_t(share * kSteps)); };
+    check_parts();
+  }
+
+  nlohmann::ordered_json denoise(const DenoiseTask& task) {
+    const InputFrame input = read_input(task.inputs, job_.render, denoiser_.features());
+    const Frame& frame = input.frame;
+    const auto start = std::chrono::steady_clock::now();
+    const Image image = denoiser_.denoise(frame, how_);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    write(task.output, image, input);
+    const std::string name = task.inputs[0].string();
+    warn_about_faults(name, input.faults);
+    for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
+    spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s: {}", name, frame.width, frame.height, frame.spp,
+                 seconds, task.output.string());
+    return {{"input", name},
+            {"output", task.output.string()},
+            {"width", frame.width},
+            {"height", frame.height},
+            {"spp", frame.spp},
+            {"seconds", seconds},
+            {"masked_samples", input.faults.not_finite},
+            {"negative_values", input.faults.negative}};
+  }
+
+  void finish_frame() {
+    advance_to(kSteps);
+    done_ = 0;
+  }
+
+ private:
+  void check_parts() const {
+    if (!job_.wants_parts()) return;
+    const std::string& network = denoiser_.network_config().name;
+    if (network != "layer")
+      fail_usage("the model's network is '{}', which has no layers to look at; expected 'layer'", network);
+    for (const DenoiseTask& task : job_.tasks)
+      if (task.output.extension() != ".exr")
+        fail_usage("{} cannot hold parts for looking; expected an output with the extension .exr",
+                   task.output.string());
+  }
+
+  void advance_to(int64_t step) {
+    if (step <= done_) return;
+    progress_.advance(step - done_);
+    done_ = step;
+  }
+
+  std::vector<PicturePart> parts_of(const Frame& frame) const {
+    std::vector<PicturePart> parts;
+    if (job_.layers || job_.contributions || job_.unfiltered) {
+      const std::vector<LayerPicture> layers =
+          denoiser_.layers(frame, {how_.max_memory_bytes, nullptr, how_.cancel});
+      for (size_t l = 0; l < layers.size(); ++l) {
+        const std::string name = fmt::format("layer{}", l);
+        const LayerPicture& layer = layers[l];
+        if (job_.layers) parts.push_back(layer_part(name, layer.radiance, layer.alpha, "A"));
+        if (job_.contributions)
+          parts.push_back(layer_part(name + ".contribution", layer.contribution, layer.weight, "weight"));
+        if (job_.unfiltered) parts.push_back(layer_part(name + ".unfiltered", layer.unfiltered, {}, ""));
+      }
+    }
+    for (const auto& [x, y] : job_.kernels_at) {
+      const std::vector<Image> kernels = denoiser_.kernels_at(frame, x, y);
+      for (size_t l = 0; l < kernels.size(); ++l)
+        parts.push_back({fmt::format("kernel.{}.{}.layer{}", x, y, l),
+                         kernels[l],
+                         {"Y"},
+                         x - kernels[l].width / 2,
+                         y - kernels[l].height / 2});
+    }
+    return parts;
+  }
+
+  void write(const fs::path& output, const Image& image, const InputFrame& input) const {
+    if (output.extension() != ".exr") {
+      write_image(output, image);
+      return;
+    }
+    const std::string by = fmt::format("ld_denoise {}, network {}, {}", LD_VERSION,
+                                       denoiser_.network_config().name, job_.model.filename().string());
+    write_picture(output, with_alpha(image, input.frame), input.original, parts_of(input.frame),
+                  job_.full_float, by);
+  }
+
+  const DenoiseJob& job_;
+  Denoiser denoiser_;
+  Progress progress_;
+  DenoiseOptions how_;
+  int64_t done_ = 0;
+};
+
+}  // namespace
+
+DenoiseReport run_denoise_job(const DenoiseJob& job) {
+  Run run(job);
+  DenoiseReport report;
+  for (const DenoiseTask& task : job.tasks) {
+    if (stop_requested()) break;
+    if (job.skip_existing && fs::exists(task.output)) {
+      ++report.skipped;
+      run.finish_frame();
+      continue;
+    }
+    try {
+      report.frames.push_back(run.denoise(task));
+    } catch (const Cancelled&) {
+      break;
+    } catch (const UsageError&) {
+      throw;  // it would be the same for every frame
+    } catch (const Error& error) {
+      if (job.tasks.size() == 1) throw;
+      spdlog::error("{}", error.what());
+      report.failed.push_back(task.inputs[0].string());
+      report.frames.push_back({{"input", report.failed.back()}, {"error", error.what()}});
+    }
+    run.finish_frame();
+  }
+  return report;
+}
+
+}  // namespace ld

@@ -1,0 +1,43 @@
+// What ld_denoise does, apart from its command line.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "inference/frame_sequence.h"
+#include "inference/input_frame.h"
+
+namespace ld {
+
+struct DenoiseJob {
+  std::filesystem::path model;
+  std::vector<DenoiseTask> tasks;
+  RenderInput render;
+  int64_t max_memory_bytes = 0;  // 0: no limit
+  bool skip_existing = false;    // pictures that are there are left alone
+  bool full_float = false;
+  // EXR parts for looking, of layer networks: filtered layers, what they add to the picture, unfiltered ones,
+  // kernels of pixels.
+  bool layers = false, contributions = false, unfiltered = false;
+  std::vector<std::pair<int, int>> kernels_at;
+
+  bool wants_parts() const { return layers || contributions || unfiltered || !kernels_at.empty(); }
+};
+
+struct DenoiseReport {
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();  // an object for each that was tried
+  int64_t skipped = 0;
+  std::vector<std::string> failed;  // inputs of frames that could not be done, in sequences only
+};
+
+/// Frame after frame, with progress; ends early, with whole files only, when a stop is requested
+/// (core/signals.h). In a sequence a frame that fails does not keep the others from being done. Throws Error
+/// as Denoiser, read_input() and write_picture() say; UsageError, before anything is denoised, for parts that
+/// the network or the format of the output cannot have.
+DenoiseReport run_denoise_job(const DenoiseJob& job);
+
+}  // namespace ld

@@ -1,0 +1,150 @@
+#include "inference/frame_sequence.h"
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include "core/error.h"
+
+namespace ld {
+namespace fs = std::filesystem;
+namespace {
+
+/// A file name around its run of #.
+struct NamePattern {
+  fs::path folder;
+  std::string before, after;
+  size_t digits = 0;  // 0: a plain name
+
+  explicit NamePattern(const std::string& text) : folder(fs::path(text).parent_path()) {
+    const std::string name = fs::path(text).filename().string();
+    const size_t at = name.find('#');
+    before = name.substr(0, at);
+    if (at == std::string::npos) return;
+    const size_t end = std::min(name.find_first_not_of('#', at), name.size());
+    digits = end - at;
+    after = name.substr(end);
+    if (after.find('#') != std::string::npos)
+      fail_usage("'{}' has two places for a number; expected one run of #", text);
+  }
+
+  fs::path of(int64_t frame) const {
+    return digits == 0 ? folder / before : folder / fmt::format("{}{:0{}}{}", before, frame, digits, after);
+  }
+
+  /// The number in a file's name; -1 where it is not of this pattern.
+  int64_t number_in(const std::string& name) const {
+    if (name.size() < before.size() + after.size() + digits) return -1;
+    if (name.compare(0, before.size(), before) != 0 ||
+        name.compare(name.size() - after.size(), after.size(), after) != 0)
+      return -1;
+    const char* first = name.data() + before.size();
+    const char* last = name.data() + name.size() - after.size();
+    int64_t number = -1;
+    const auto [stop, error] = std::from_chars(first, last, number);
+    if (error != std::errc() || stop != last || number < 0) return -1;
+    return of(number).filename() == name ? number : -1;  // no more zeros in front than the pattern has
+  }
+
+  /// Numbers of the files that there are.
+  std::set<int64_t> present() const {
+    std::set<int64_t> numbers;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error))
+      if (const int64_t number = number_in(entry.path().filename().string()); number >= 0)
+        numbers.insert(number);
+    return numbers;
+  }
+};
+
+std::vector<int64_t> frames_of(const std::vector<NamePattern>& patterns,
+                               const std::optional<FrameRange>& range, const std::string& first_input) {
+  std::vector<int64_t> frames;
+  if (range) {
+    for (int64_t frame = range->first; frame < range->last; ++frame) frames.push_back(frame);
+    return frames;
+  }
+  std::set<int64_t> numbers;
+  for (const NamePattern& pattern : patterns) numbers.merge(pattern.present());
+  if (numbers.empty())
+    fail("{}: no file of this pattern; # stands for a digit of the frame's number", first_input);
+  return {numbers.begin(), numbers.end()};
+}
+
+void check_outputs(const std::vector<DenoiseTask>& tasks) {
+  std::set<fs::path> inputs, outputs;
+  for (const DenoiseTask& task : tasks)
+    for (const fs::path& input : task.inputs) inputs.insert(input.lexically_normal());
+  for (const DenoiseTask& task : tasks) {
+    const fs::path output = task.output.lexically_normal();
+    if (inputs.count(output) > 0)
+      fail_usage("the output {} is one of the inputs; choose another name or folder", task.output.string());
+    if (!outputs.insert(output).second)
+      fail_usage("two pictures would be written to {}; choose an output with #### or a folder",
+                 task.output.string());
+  }
+}
+
+}  // namespace
+
+FrameRange parse_frame_range(const std::string& text) {
+  FrameRange range;
+  const char* const end = text.data() + text.size();
+  const auto [colon, first_error] = std::from_chars(text.data(), end, range.first);
+  const bool good = first_error == std::errc() && colon != end && *colon == ':';
+  const auto [stop, last_error] = std::from_chars(good ? colon + 1 : end, end, range.last);
+  if (!good || last_error != std::errc() || stop != end || range.first < 0 || range.last <= range.first ||
+      range.last - range.first > 10'000'000)
+    fail_usage("'{}' is no range of frames; expected A:B, which means frames A to B - 1", text);
+  return range;
+}
+
+std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, const std::string& output,
+                                       const std::optional<FrameRange>& range, bool samples_of_one) {
+  if (inputs.empty()) fail_usage("no inputs; name the frames to denoise");
+  if (output.empty()) fail_usage("no output; name the picture to write");
+  const std::vector<NamePattern> patterns(inputs.begin(), inputs.end());
+  const NamePattern target(output);
+  const bool numbered = patterns[0].digits > 0;
+  for (size_t i = 0; i < patterns.size(); ++i)
+    if ((patterns[i].digits > 0) != numbered)
+      fail_usage("inputs with and without ####: '{}' and '{}'; expected one kind", inputs[0], inputs[i]);
+  if (range && !numbered) fail_usage("--frames needs inputs with #### for the frame's number");
+
+  std::vector<DenoiseTask> tasks;  // outputs still to come
+  std::vector<int64_t> numbers;
+  if (!numbered) {
+    if (samples_of_one) tasks.push_back({{inputs.begin(), inputs.end()}, {}});
+    if (!samples_of_one)
+      for (const std::string& input : inputs) tasks.push_back({{input}, {}});
+  } else {
+    numbers = frames_of(patterns, range, inputs[0]);
+    for (const int64_t number : numbers) {
+      if (samples_of_one) tasks.push_back({});
+      for (const NamePattern& pattern : patterns) {
+        if (!samples_of_one) tasks.push_back({});
+        tasks.back().inputs.push_back(pattern.of(number));
+      }
+    }
+  }
+
+  const bool folder =
+      output.back() == '/' || fs::is_directory(output) ||
+      (target.digits == 0 &&
+       (tasks.size() > 1 || (numbered && target.after.empty() && fs::path(output).extension().empty())));
+  if (target.digits > 0 && (!numbered || (!samples_of_one && patterns.size() > 1)))
+    fail_usage("the output '{}' has #### but the inputs are not one numbered sequence; expected a folder",
+               output);
+  for (size_t i = 0; i < tasks.size(); ++i) {
+    if (target.digits > 0)
+      tasks[i].output = target.of(numbers[i]);
+    else if (folder)
+      tasks[i].output = fs::path(output) / tasks[i].inputs[0].filename();
+    else
+      tasks[i].output = output;
+  }
+  check_outputs(tasks);
+  return tasks;
+}
+
+}  // namespace ld

@@ -1,0 +1,36 @@
+// Which files make which pictures: single frames, lists of them, numbered sequences.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ld {
+
+/// Frames first to last - 1.
+struct FrameRange {
+  int64_t first = 0, last = 0;
+};
+
+/// "A:B". Throws UsageError.
+FrameRange parse_frame_range(const std::string& text);
+
+/// One picture to make.
+struct DenoiseTask {
+  std::vector<std::filesystem::path> inputs;  // files of its samples
+  std::filesystem::path output;
+};
+
+/// `####` in the name of an input (not of its folder) stands for the frame's number in at least so many
+/// digits; the frames are those of `range`, else those that there are files of, of every such input. Inputs
+/// without it are pictures of their own, or, with `samples_of_one`, the samples of one: then each input names
+/// one or more files of every picture. `output` is a file for one picture, may have #### too, and is a folder
+/// for several pictures, which are then named like their first input. In the order of frames.
+///
+/// Throws UsageError: patterns beside plain names, a range without a pattern, no number to tell pictures
+/// apart, two pictures with one output, an output that is an input.
+std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, const std::string& output,
+                                       const std::optional<FrameRange>& range, bool samples_of_one);
+
+}  // namespace ld

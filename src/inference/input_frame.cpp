@@ -1,0 +1,79 @@
+#include "inference/input_frame.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "frame/exr_reader.h"
+#include "frame/frame_file.h"
+#include "import/frame_import.h"
+#include "import/source_plan.h"
+
+namespace ld {
+namespace fs = std::filesystem;
+namespace {
+
+/// A frame's first part is the mean, unless somebody left that out and it is a sample.
+Original original_of_frame(const fs::path& file) {
+  const ExrReader exr(file);
+  const std::string name = exr.part_name(0);
+  const bool sample = name.size() > 3 && name[0] == 's' &&
+                      std::all_of(name.begin() + 1, name.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return {file, 0, {"R", "G", "B", "A"}, !sample};
+}
+
+/// The part with the radiance of the first file, without its radiance and alpha.
+Original original_of_render(const fs::path& file, const ImportMapping& mapping) {
+  const ExrReader exr(file);
+  Original original{file, 0, {}, true};
+  const std::vector<SourceSample> samples = plan_samples(exr, mapping, Wanted::picture);
+  original.part = samples[0].features[0].channels[0].part;
+  for (const SourceSample& sample : samples) {
+    std::vector<SourceFeature> sources = sample.features;
+    sources.push_back(sample.alpha);
+    for (const SourceFeature& source : sources)
+      for (const SourceChannel& channel : source.channels)
+        if (channel.part == original.part) original.replaced.push_back(channel.name);
+  }
+  return original;
+}
+
+InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& render,
+                        const std::vector<std::string>& features) {
+  ImportedFrame imported = import_frame(files, *render.mapping, render.camera, render.allow_identical);
+  for (const std::string& feature : features)
+    if (!imported.frame.holds(feature))
+      fail(
+          "{}: the renders hold {}, but not the feature '{}' that the model reads; render it, or use a model "
+          "whose `features` leave '{}' out",
+          files[0].string(), fmt::join(imported.frame.features, ", "), feature, feature);
+  InputFrame input{std::move(imported.frame), imported.faults, imported.notes,
+                   original_of_render(files[0], *render.mapping)};
+  if (!imported.repeated.empty())
+    input.notes.push_back(fmt::format("{} the same in all samples: networks on samples make less of it",
+                                      fmt::join(imported.repeated, ", ")));
+  return input;
+}
+
+}  // namespace
+
+InputFrame read_input(const std::vector<fs::path>& files, const RenderInput& render,
+                      const std::vector<std::string>& features) {
+  if (render.mapping) return import_input(files, render, features);
+  InputFrame input;
+  input.frame = read_frame(files[0], features, input.faults);
+  input.original = original_of_frame(files[0]);
+  return input;
+}
+
+Image with_alpha(const Image& denoised, const Frame& frame) {
+  if (frame.alpha.empty()) return denoised;
+  Image picture(denoised.width, denoised.height, 4);
+  std::copy(denoised.pixels.begin(), denoised.pixels.end(), picture.pixels.begin());
+  const Image alpha = mean_alpha(frame);
+  std::copy(alpha.pixels.begin(), alpha.pixels.end(), picture.plane(3));
+  return picture;
+}
+
+}  // namespace ld

@@ -1,0 +1,38 @@
+// Frames to denoise, from our own files or, through a preset, from other renderers'.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frame/frame.h"
+#include "import/mapping.h"
+#include "import/view_camera.h"
+#include "inference/picture_file.h"
+
+namespace ld {
+
+/// How other renderers' files are read (docs/import.md); without a mapping the files are frames.
+struct RenderInput {
+  std::optional<ImportMapping> mapping;
+  std::optional<ViewCamera> camera;
+  bool allow_identical = false;
+};
+
+struct InputFrame {
+  Frame frame;  // sanitised, with a depth scale
+  Faults faults;
+  std::vector<std::string> notes;  // what users should know, a line each
+  Original original;               // for write_picture
+};
+
+/// Reads one frame with the features that a network needs. Without a mapping there is one file. Throws Error
+/// as read_frame() and import_frame() say, and for features that the renders lack.
+InputFrame read_input(const std::vector<std::filesystem::path>& files, const RenderInput& render,
+                      const std::vector<std::string>& features);
+
+/// Red, green and blue of the denoised image, and the mean alpha of the frame where it has alpha.
+Image with_alpha(const Image& denoised, const Frame& frame);
+
+}  // namespace ld
