@@ -1,37 +1,84 @@
-// Weights for deployment: `ld_export --model RUN_OR_FILE --format safetensors --out FILE`.
+// Weights for deployment: `ld_export --model RUN_OR_FILE --format safetensors|onnx --out FILE`.
 
 #include "apps/app.h"
+#include "core/error.h"
+#include "core/file_io.h"
 #include "core/log.h"
+#include "export/model_card.h"
+#include "export/onnx_export.h"
 #include "export/safetensors_export.h"
 #include "ops/runtime.h"
 
+namespace {
+
+nlohmann::ordered_json to_json(const ld::Parity& parity) {
+  return {{"largest_relative_difference", parity.largest_relative_difference}, {"allowed", parity.tolerance}};
+}
+
+void report(const std::string& what, const ld::Parity& parity) {
+  spdlog::info("{}: largest relative difference {:.2g} (allowed {:.2g})", what,
+               parity.largest_relative_difference, parity.tolerance);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  std::string model, format, out, dtype = "f16";
-  ld::Application app("ld_export",
-                      "Exports a checkpoint's weights to one deployable file, with a parity check.");
-  app.options()
-      .add_option("--model", model, "weights (.safetensors), checkpoint folder or run folder")
-      ->required();
-  app.options()
-      .add_option("--format", format, "safetensors")
+  std::string model, untrained, format, out, dtype, check_data, card;
+  std::vector<std::filesystem::path> frames;
+  ld::Application app(
+      "ld_export", "Exports a network to one deployable file and measures what that changes in its output.");
+  CLI::App& options = app.options();
+  CLI::Option* trained =
+      options.add_option("--model", model, "weights (.safetensors), checkpoint folder or run folder");
+  options
+      .add_option("--untrained", untrained,
+                  "instead: training config whose network is exported with random weights, to try a runtime")
+      ->excludes(trained);
+  options.add_option("--format", format, "safetensors, or onnx for other programs' runtimes")
       ->required()
-      ->check(CLI::IsMember({"safetensors"}));
-  app.options().add_option("--out", out, "file to write")->required();
-  app.options()
-      .add_option("--dtype", dtype, "number format: f16 (half the size) or f32 (every bit)")
-      ->check(CLI::IsMember({"f16", "f32"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"safetensors", "onnx"}));
+  options.add_option("--out", out, "file to write")->required();
+  options
+      .add_option("--dtype", dtype,
+                  "number format of the weights: f16 (half the size) or f32 (every bit); default f16 for "
+                  "safetensors, f32 for onnx")
+      ->check(CLI::IsMember({"f16", "f32"}));
+  options.add_option("--check-frame", frames,
+                     "frames (.exr) to measure the differences on, besides three random pictures");
+  options.add_option("--check-data", check_data,
+                     "also write those pictures and the network's output for them, as safetensors");
+  options.add_option("--card", card, "also write a page about the file for people (.md)");
 
   return app.run(argc, argv, [&] {
+    if (model.empty() == untrained.empty()) ld::fail_usage("give --model or --untrained");
     ld::configure_runtime(app.threads());
-    const ld::Parity parity =
-        ld::export_safetensors(model, out, dtype == "f16" ? ld::DType::f16 : ld::DType::f32);
-    spdlog::info(
-        "{} written as {}; parity with the original: largest relative difference {:.2g} (allowed {:.2g})",
-        out, dtype, parity.largest_relative_difference, parity.tolerance);
-    app.write_json({{"file", out},
-                    {"dtype", dtype},
-                    {"largest_relative_difference", parity.largest_relative_difference},
-                    {"tolerance", parity.tolerance}});
+    if (dtype.empty()) dtype = format == "onnx" ? "f32" : "f16";
+    const ld::DType type = dtype == "f16" ? ld::DType::f16 : ld::DType::f32;
+    const ld::ExportSource source =
+        untrained.empty() ? ld::load_source(model) : ld::untrained_source(untrained, app.seed().value_or(1));
+    const std::vector<ld::NetworkInput> inputs = ld::parity_inputs(source.network->config(), frames);
+
+    ld::Metadata metadata;
+    nlohmann::ordered_json json = {{"file", out}, {"format", format}, {"dtype", dtype}};
+    if (format == "onnx") {
+      const ld::OnnxExport result = ld::export_onnx(source, out, type, inputs);
+      spdlog::info("{} written: {} nodes, weights as {}", out, result.nodes, dtype);
+      report("weights as " + dtype, result.weights);
+      report("ONNX graph and C++ network", result.graph);
+      metadata = ld::export_metadata(source, type, result.weights, &result.graph, inputs.size());
+      json["rounded_weights"] = to_json(result.weights);
+      json["onnx"] = to_json(result.graph);
+    } else {
+      const ld::Parity parity = ld::export_safetensors(source, out, type, inputs);
+      spdlog::info("{} written", out);
+      report("weights as " + dtype, parity);
+      metadata = ld::export_metadata(source, type, parity, nullptr, inputs.size());
+      json["rounded_weights"] = to_json(parity);
+    }
+    if (!check_data.empty()) ld::write_check_data(check_data, source, type, inputs);
+    if (!card.empty())
+      ld::write_file_atomically(card,
+                                ld::model_card(std::filesystem::path(out).filename().string(), metadata));
+    app.write_json(json);
   });
 }

@@ -1,22 +1,21 @@
-// A checkpoint to one deployable file, and the proof that the file still computes the same.
+// A checkpoint to one deployable weight file, and the proof that the file still computes the same.
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
-#include "weights/safetensors.h"
+#include "export/parity.h"
 
 namespace ld {
 
-/// How far the exported network's output is from the original's on a fixed random frame.
-struct Parity {
-  double largest_relative_difference = 0;  // |a - b| / (|b| + 0.01), the largest over pixels and channels
-  double tolerance = 0;                    // what the number format allows
-  bool passed() const { return largest_relative_difference <= tolerance; }
-};
+/// Writes the network's weights to `out` as f32 or f16, atomically, after measuring on `inputs` what the
+/// number format changes; the metadata holds it. Throws Error when that is more than is allowed or the file
+/// does not give back what was written; then nothing is left behind.
+Parity export_safetensors(const ExportSource& source, const std::filesystem::path& out, DType type,
+                          const std::vector<NetworkInput>& inputs);
 
-/// Writes the weights of `model` (weight file, checkpoint or run folder) to `out` as f32 or f16, atomically,
-/// after the parity check. Throws Error when the model cannot be read or the check fails; then nothing is
-/// written.
-Parity export_safetensors(const std::filesystem::path& model, const std::filesystem::path& out, DType type);
+/// What rounding the weights to `type` changes. Throws Error when it is more than kHalfTolerance.
+Parity rounding_parity(const ExportSource& source, Network& rounded, DType type,
+                       const std::vector<NetworkInput>& inputs);
 
 }  // namespace ld

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "core/error.h"
+#include "frame/schema.h"
+#include "models/unet.h"
 #include "weights/weight_file.h"
 
 namespace ld {
@@ -33,7 +35,78 @@ DType file_type(const torch::Tensor& tensor) {
   fail("a tensor of type {} cannot be written to safetensors", c10::toString(tensor.scalar_type()));
 }
 
+/// Parameters of fully connected layers of these widths, or of convolutions of so many taps.
+int64_t chain_count(const std::vector<int64_t>& widths, int64_t taps = 1) {
+  int64_t count = 0;
+  for (size_t i = 0; i + 1 < widths.size(); ++i) count += widths[i + 1] * (widths[i] * taps + 1);
+  return count;
+}
+
+std::vector<int64_t> chain(int64_t inputs, std::vector<int64_t> widths) {
+  widths.insert(widths.begin(), inputs);
+  return widths;
+}
+
+int64_t unet_count(const UNetConfig& config, int64_t inputs) {
+  constexpr int64_t kTaps = 9;
+  std::vector<int64_t> skips;
+  int64_t channels = inputs, count = 0;
+  const auto add = [&](const std::vector<int64_t>& widths, int64_t skip) {
+    count += chain_count(chain(channels + skip, widths), kTaps);
+    channels = widths.back();
+  };
+  for (const auto& widths : config.encoder) {
+    skips.push_back(channels);
+    add(widths, 0);
+  }
+  add(config.bottleneck, 0);
+  for (const auto& widths : config.decoder) {
+    add(widths, skips.back());
+    skips.pop_back();
+  }
+  add({config.context}, 0);
+  return count;
+}
+
+/// Before make_network() takes memory for what a damaged or foreign header asks for.
+void expect_size(const SafetensorsFile& file, const NetworkConfig& config) {
+  try {
+    check_network(config);
+  } catch (const UsageError& error) {  // nobody typed this network: the file is wrong
+    fail("{}: metadata: network: {}", file.path().string(), error.what());
+  }
+  int64_t held = 0;
+  for (const TensorView& tensor : file.tensors())
+    held += static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
+  const int64_t expected = parameter_count(config);
+  if (held != expected)
+    fail("{}: holds {} numbers, but the network of its metadata ('{}') has {}; the file is damaged",
+         file.path().string(), held, config.name, expected);
+}
+
 }  // namespace
+
+int64_t parameter_count(const NetworkConfig& config) {
+  const bool pixels = config.name == "pixel_gather" || config.name == "pixel_splat",
+             levels = config.name == "optimized", layers = levels || config.name == "layer";
+  const int64_t embedding = config.sample_reducer.back(), taps = config.kernel_size * config.kernel_size;
+  int64_t count =
+      chain_count(chain((pixels ? 2 : 1) * channel_count(config.features), config.sample_reducer)) +
+      unet_count(config.unet, embedding);
+  const auto generator = [&](int64_t context, int64_t outputs) {
+    std::vector<int64_t> widths = chain(embedding + context, config.kernel_generator);
+    widths.push_back(outputs);
+    count += chain_count(widths);
+  };
+  for (int64_t i = 0; i < (levels ? config.levels : 1); ++i)
+    generator(UNet::feature_channels(config.unet, i), taps + (levels && i == 0 ? config.levels : 0));
+  if (layers) {
+    std::vector<int64_t> widths = chain(embedding + config.unet.context, config.sample_partitioner);
+    widths.push_back(config.layers);
+    count += chain_count(widths);
+  }
+  return count;
+}
 
 void write_tensors(const std::filesystem::path& path, const NamedTensors& tensors, const Metadata& metadata) {
   std::vector<torch::Tensor> plain;  // keeps the data alive until it is written
@@ -53,16 +126,25 @@ torch::Tensor read_tensor(const TensorView& view) {
 }
 
 void save_model(const std::filesystem::path& path, const Network& network, const std::string& provenance,
-                DType type) {
+                DType type, const Metadata& further) {
   NamedTensors tensors;
-  for (const auto& parameter : network.named_parameters())
+  for (const auto& parameter : network.named_parameters()) {
     tensors.emplace_back(parameter.key(), parameter.value().detach().to(torch_type(type)));
-  write_tensors(path, tensors, make_weights_metadata(network.config(), provenance));
+    const torch::Tensor& stored = tensors.back().second;
+    if (type == DType::f16 && !stored.isfinite().all().item<bool>())
+      fail("parameter '{}' reaches {}, beyond the largest float16, 65504; write float32", parameter.key(),
+           parameter.value().abs().max().item<float>());
+  }
+  Metadata metadata = make_weights_metadata(network.config(), provenance);
+  metadata.insert(further.begin(), further.end());
+  write_tensors(path, tensors, metadata);
 }
 
 std::shared_ptr<Network> load_model(const std::filesystem::path& model) {
   const SafetensorsFile file(resolve_model(model));
-  const std::shared_ptr<Network> network = make_network(read_weights_header(file).network);
+  const NetworkConfig config = read_weights_header(file).network;
+  expect_size(file, config);
+  const std::shared_ptr<Network> network = make_network(config);
   std::set<std::string> expected;
   const torch::NoGradGuard no_grad;
   for (auto& parameter : network->named_parameters()) {

@@ -23,12 +23,17 @@ void write_tensors(const std::filesystem::path& path, const NamedTensors& tensor
 torch::Tensor read_tensor(const TensorView& view);
 
 /// Writes all parameters as `type` (f32 keeps every bit; f16 is for release). `provenance` says where they
-/// came from.
+/// came from; `further` metadata is for people and other programs. Throws Error, naming it, when a parameter
+/// is too large for f16.
 void save_model(const std::filesystem::path& path, const Network& network, const std::string& provenance,
-                DType type);
+                DType type, const Metadata& further = {});
+
+/// How many numbers the parameters of a network are, without making it; it has passed check_network().
+int64_t parameter_count(const NetworkConfig& config);
 
 /// The network with its weights as float32. `model` is a weight file, a checkpoint or a run folder. Throws
-/// Error when a parameter is missing, surplus, of another shape or not finite.
+/// Error when a parameter is missing, surplus, of another shape or not finite, and before anything large is
+/// made when the file holds less or more than its network has.
 std::shared_ptr<Network> load_model(const std::filesystem::path& model);
 
 }  // namespace ld

@@ -5,7 +5,6 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "dataset/network_input.h"
-#include "export/safetensors_export.h"
 #include "inference/denoiser.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_dataset.h"
@@ -82,17 +81,6 @@ TEST_F(Inference, AModelFileKeepsEveryBitAndItsConfiguration) {
   const auto expected = network_->named_parameters();
   for (const auto& parameter : loaded->named_parameters())
     EXPECT_TRUE(parameter.value().equal(expected[parameter.key()])) << parameter.key();
-}
-
-TEST_F(Inference, ExportKeepsWhatItPromises) {
-  const Parity exact = export_safetensors(model(), folder_ / "f32.safetensors", DType::f32);
-  EXPECT_EQ(exact.largest_relative_difference, 0);
-  const Parity half = export_safetensors(model(), folder_ / "f16.safetensors", DType::f16);
-  EXPECT_GT(half.largest_relative_difference, 0);
-  EXPECT_LT(half.largest_relative_difference, 0.01);
-  EXPECT_LT(file_size(folder_ / "f16.safetensors"), file_size(folder_ / "f32.safetensors"));
-  EXPECT_THROW(export_safetensors(folder_ / "none", folder_ / "x.safetensors", DType::f16), Error);
-  EXPECT_FALSE(exists(folder_ / "x.safetensors"));
 }
 
 TEST_F(Inference, WeightsThatDoNotFitTheirConfigurationAreErrors) {

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Checks the ONNX models of ld_export with onnxruntime: the networks of configs/, each with random weights, against the C++
+program's output on three sizes of picture; with --model and --frame also a trained network against ld_denoise.
+
+Fails when onnxruntime differs from C++ by more than 1e-4 (|a - b| / (|b| + 0.01)) anywhere, or refuses a model.
+"""
+import argparse
+import json
+import resource
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import onnxruntime
+import OpenEXR
+
+sys.path.insert(0, str(Path(__file__).parent))
+import denoise_onnx  # noqa: E402
+
+ALLOWED = 1e-4
+CONFIGS = ["quick", "quick_layer_weighted", "quick_optimized", "quick_pixel_gather", "quick_pixel_splat",
+           "quick_sample_splat"]
+TYPES = {"F32": np.float32}
+
+
+def read_safetensors(path):
+    data = Path(path).read_bytes()
+    length = struct.unpack("<Q", data[:8])[0]
+    tensors = {}
+    for name, entry in json.loads(data[8:8 + length]).items():
+        if name != "__metadata__":
+            begin, end = (8 + length + offset for offset in entry["data_offsets"])
+            tensors[name] = np.frombuffer(data[begin:end], TYPES[entry["dtype"]]).reshape(entry["shape"])
+    return tensors
+
+
+def difference(found, expected):
+    return float((np.abs(found - expected) / (np.abs(expected) + 0.01)).max())
+
+
+def session_of(path, threads):
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    return onnxruntime.InferenceSession(str(path), options)
+
+
+def export(arguments, out, extra=()):
+    result = subprocess.run(["build/bin/ld_export", *arguments, "--format", "onnx", "--out", str(out), *extra],
+                            capture_output=True, text=True)
+    if result.returncode != 0:
+        raise SystemExit(f"ld_export {' '.join(arguments)} failed:\n{result.stderr}{result.stdout}")
+
+
+def seconds(session, config_features, size):
+    height, width, samples = size
+    random = np.random.default_rng(1)
+    inputs = {"features": random.random((1, samples, config_features, height, width), np.float32),
+              "radiance": random.random((1, samples, 3, height, width), np.float32),
+              "valid": np.ones((1, samples, 1, height, width), np.float32)}
+    times = []
+    for _ in range(3):
+        start = time.perf_counter()
+        session.run(["image"], inputs)
+        times.append(time.perf_counter() - start)
+    return sorted(times)[1]
+
+
+def check_network(config, dtype, options):
+    stem = options.out / f"{config}_{dtype}"
+    model, data = stem.with_suffix(".onnx"), stem.with_suffix(".safetensors")
+    export(["--untrained", f"configs/{config}.yaml", "--dtype", dtype], model, ["--check-data", str(data)])
+    start = time.perf_counter()
+    session = session_of(model, options.threads)
+    load = time.perf_counter() - start
+    tensors, worst, sizes = read_safetensors(data), 0, []
+    for i in range(len(tensors) // 4):
+        inputs = {name: tensors[f"{name}_{i}"] for name in ("features", "radiance", "valid")}
+        found = session.run(["image"], inputs)[0]
+        worst = max(worst, difference(found, tensors[f"image_{i}"]))
+        sizes.append("x".join(str(n) for n in found.shape[:1] + found.shape[2:]))
+    line = f"{config:24} {dtype}  {model.stat().st_size / 1e6:7.2f} MB  load {load:5.2f} s  difference {worst:.1e}  ({', '.join(sizes)})"
+    if options.time:
+        features = tensors["features_0"].shape[2]
+        line += f"  {1000 * seconds(session, features, options.time):.0f} ms"
+        line += f"  peak {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB"
+    print(line, flush=True)
+    return worst
+
+
+def check_frame(model, frame, options):
+    """A trained network on a frame, through the example program and through ld_denoise."""
+    exported, found, expected = options.out / "trained.onnx", options.out / "onnx.exr", options.out / "ld_denoise.exr"
+    export(["--model", model], exported)
+    denoise_onnx.main(str(exported), frame, str(found))
+    subprocess.run(["build/bin/ld_denoise", "--model", model, frame, "--output", str(expected)], check=True)
+    pictures = []
+    for path in (found, expected):
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            pictures.append(np.array([file.parts[0].channels[c].pixels for c in "RGB"], np.float64))
+    worst = difference(*pictures)
+    print(f"{model} on {frame}: difference {worst:.1e}, of half floats 2^-11 = 4.9e-04")
+    return worst
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--configs", nargs="+", default=CONFIGS, help="names in configs/, without .yaml")
+    parser.add_argument("--dtypes", nargs="+", default=["f32", "f16"])
+    parser.add_argument("--model", help="a trained model (as ld_denoise takes it)")
+    parser.add_argument("--frame", help="a frame for it")
+    parser.add_argument("--out", type=Path, default=Path("out/peers/onnx"))
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--time", type=int, nargs=3, metavar=("H", "W", "SPP"), help="also time this size")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    print(f"onnxruntime {onnxruntime.__version__}, allowed {ALLOWED:.0e}")
+    failed = [f"{config} {dtype}" for config in options.configs for dtype in options.dtypes
+              if not check_network(config, dtype, options) <= ALLOWED]
+    if options.model and not check_frame(options.model, options.frame, options) <= 2 ** -11 + ALLOWED:
+        failed.append(options.model)
+    if failed:
+        raise SystemExit("onnxruntime and C++ differ: " + ", ".join(failed))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""Denoises a frame with an ONNX model of ld_export: denoise_onnx.py MODEL.onnx FRAME.exr OUTPUT.exr
+
+Needs onnxruntime, numpy and OpenEXR, nothing of this project: an example of how another program feeds the model
+(docs/export.md). The model's metadata says which features it reads and how each is encoded.
+"""
+import sys
+
+import numpy as np
+import onnxruntime
+import OpenEXR
+
+# The channels of each feature in a sample part (docs/data_format.md).
+CHANNELS = {"radiance": "R G B", "normal": "N.X N.Y N.Z", "depth": "Z", "albedo": "albedo.R albedo.G albedo.B",
+            "specular": "specular.R specular.G specular.B", "roughness": "roughness", "motion": "motion.X motion.Y",
+            "coc": "coc", "lens": "lens.X lens.Y", "time": "time", "flow": "flow.X flow.Y"}
+LARGEST = np.float32(65504)  # of half; the depth where a ray escaped
+
+
+def tone_map(x):
+    y = np.log1p(np.maximum(x, 0))
+    return np.where(y <= 0.0031308, 12.92 * y, 1.055 * y ** (1 / 2.4) - 0.055)
+
+
+def encode(values, encoding, scale, depth_scale):
+    if encoding == "tone_map":
+        return tone_map(values)
+    if encoding == "identity":
+        return np.clip(values, -LARGEST, LARGEST)
+    if encoding == "depth":
+        depth = np.maximum(values, 0)
+        return np.where(depth >= LARGEST, 1, depth / (depth + depth_scale))
+    if encoding == "squash":
+        return values / (np.abs(values) + scale)
+    raise SystemExit(f"the model wants an encoding that this program does not know: {encoding}")
+
+
+def read_frame(path, features):
+    """features [1, S, F, H, W], radiance [1, S, 3, H, W] and valid [1, S, 1, H, W] of a frame."""
+    with OpenEXR.File(path, separate_channels=True) as file:
+        samples = [part for part in file.parts if part.header["name"] != "mean"]
+        depth_scale = file.parts[0].header["ldDepthScale"]
+        plane = lambda part, name: part.channels[name].pixels.astype(np.float32)
+        radiance, encoded = [], []
+        for part in samples:
+            radiance.append([plane(part, name) for name in "RGB"])
+            encoded.append([encode(plane(part, name), encoding, scale, depth_scale)
+                            for feature, encoding, scale in features for name in CHANNELS[feature].split()])
+    radiance = np.array(radiance, np.float32)[None]
+    return {"features": np.array(encoded, np.float32)[None], "radiance": radiance,
+            "valid": np.ones_like(radiance[:, :, :1])}
+
+
+def features_of(session):
+    """(name, encoding, scale) in the order in which the model reads them."""
+    lines = session.get_modelmeta().custom_metadata_map["features"].splitlines()
+    return [(words[0], words[2], float(words[3]) if len(words) > 3 else 0) for words in map(str.split, lines)]
+
+
+def main(model, frame, output):
+    session = onnxruntime.InferenceSession(model)
+    image = session.run(["image"], read_frame(frame, features_of(session)))[0][0]
+    channels = {"RGB": np.ascontiguousarray(image.transpose(1, 2, 0))}
+    OpenEXR.File({"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}, channels).write(output)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4:
+        raise SystemExit(__doc__)
+    main(*sys.argv[1:])

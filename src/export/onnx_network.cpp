@@ -1,0 +1,193 @@
+#include "export/onnx_network.h"
+
+#include <limits>
+
+#include "core/error.h"
+#include "export/onnx_filters.h"
+#include "export/onnx_modules.h"
+#include "frame/schema.h"
+
+namespace ld {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// models/sample_reducer.h.
+Value reduce_samples(OnnxGraph& g, const NetworkConfig& config, const Value& features) {
+  g.enter("sample_reducer");
+  return onnx_fully_connected(g, {"sample_reducer", config.sample_reducer.size(), true}, features);
+}
+
+/// models/kernel_generator.h: outputs [first, first + count) of it.
+Value generate(OnnxGraph& g, const NetworkConfig& config, const std::string& name, int64_t first,
+               int64_t count, const Value& embedding, const Value& context) {
+  g.enter(name);
+  return onnx_fully_connected(
+      g, {name, config.kernel_generator.size() + 1, false, config.sample_reducer.back(), first, count},
+      embedding, context);
+}
+
+/// models/compositor.h: [B, 3, H, W].
+Value filter_and_composite(OnnxGraph& g, const NetworkConfig& config, const std::string& generator,
+                           const OnnxPartition& layers, const Value& context) {
+  const int64_t kernel = config.kernel_size;
+  const Value logits = generate(g, config, generator, 0, kernel * kernel, layers.embedding, context);
+  g.enter(generator + "/splat");
+  if (config.compositing == "weighted")
+    return onnx_splat(g, logits, layers.log_n, layers.radiance, kernel, 3, true);
+  const Value filtered = onnx_splat(g, logits, layers.log_n,
+                                    g.concat({layers.radiance, layers.transmittance}, 2), kernel, 4, false);
+  g.enter(generator + "/composite");
+  const auto plane = [&](int64_t layer, int64_t first, int64_t last) {
+    return g.squeeze(g.slice(g.slice(filtered, 1, layer, layer + 1), 2, first, last), 1);
+  };
+  Value color = plane(0, 0, 3), visible = plane(0, 3, 4);
+  for (int64_t l = 1; l < config.layers; ++l) {
+    color = g.add(color, g.mul(visible, plane(l, 0, 3)));
+    visible = g.mul(visible, plane(l, 3, 4));
+  }
+  return color;
+}
+
+/// models/layered_network.h.
+struct Layers {
+  std::vector<Value> context;
+  OnnxPartition partition;
+};
+
+Layers make_layers(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples,
+                   int64_t resolutions) {
+  const Value embedding = reduce_samples(g, config, samples.features);
+  Layers layers;
+  layers.context = onnx_unet(g, config.unet, onnx_masked_mean(g, embedding, samples.valid), resolutions);
+  g.enter("sample_partitioner");
+  const Value logits = onnx_fully_connected(
+      g, {"sample_partitioner", config.sample_partitioner.size() + 1, false, config.sample_reducer.back()},
+      embedding, layers.context[0]);
+  layers.partition = onnx_partition(g, config, logits, samples, embedding);
+  return layers;
+}
+
+/// models/layer_network.h.
+Value layer(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+  const Layers layers = make_layers(g, config, samples, 1);
+  return filter_and_composite(g, config, "kernel_generator", layers.partition, layers.context[0]);
+}
+
+/// models/optimized_network.h.
+Value optimized(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+  const Layers layers = make_layers(g, config, samples, config.levels);
+  const std::vector<OnnxPyramidLevel> pyramid = onnx_pyramid(g, layers.partition, config.levels);
+  const int64_t kernel = config.kernel_size, radius = kernel / 2;
+  const Value height = g.size_of(samples.valid, 3), width = g.size_of(samples.valid, 4), one = g.number(1);
+  const auto upscaled = [&](const Value& picture, int64_t level) {
+    if (level == 0) return picture;
+    const Value fine = onnx_upsample(g, picture, int64_t{1} << level, config.unet);
+    return g.slice(g.slice(fine, 2, 0, height), 3, 0, width);
+  };
+
+  std::vector<Value> pictures, log_coverage;
+  for (int64_t i = 0; i < config.levels; ++i) {
+    const OnnxPyramidLevel& level = pyramid[size_t(i)];
+    const Value picture =
+        filter_and_composite(g, config, "kernel_generator" + std::to_string(i), level.layers,
+                             layers.context[size_t(i)]);  // G_i
+    g.enter("levels");
+    // Where the kernels of a level reach from a pixel with samples.
+    const Value received =
+        g.op("MaxPool", {g.to_float(g.op("Greater", {g.squeeze(level.pixels, 1), g.number(0)}))},
+             {{"kernel_shape", std::vector<int64_t>{kernel, kernel}},
+              {"pads", std::vector<int64_t>{radius, radius, radius, radius}}});
+    const Value coverage = upscaled(received, i);
+    const Value own = g.div(upscaled(picture, i), g.where(g.is_zero(coverage), one, coverage));
+    pictures.push_back(g.unsqueeze(own, 1));
+    log_coverage.push_back(g.log(coverage));
+  }
+  const Value known = g.concat(log_coverage, 1);  // -inf for a level without anything to say
+  const Value nothing = g.op("Equal", {g.reduce_max(known, {1}), g.number(-kInfinity)});
+  const Value first_layer = g.slice(pyramid[0].layers.embedding, 1, 0, 1);
+  const Value lambda = g.squeeze(generate(g, config, "kernel_generator0", kernel * kernel, config.levels,
+                                          first_layer, layers.context[0]),
+                                 1);
+  g.enter("levels");
+  const Value logits = g.add(lambda, g.where(nothing, g.number(0), known));
+  const Value weights = g.exp(g.sub(logits, g.reduce_max(logits, {1})));
+  const Value share = g.div(weights, g.reduce_sum(weights, {1}));                        // [B, levels, H, W]
+  return g.reduce_sum(g.mul(g.unsqueeze(share, 2), g.concat(pictures, 1)), {1}, false);  // eq. 10
+}
+
+/// models/pixel_network.h.
+Value pixel(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples, bool gather) {
+  const Value embedding = reduce_samples(g, config, onnx_sample_statistics(g, samples));
+  const Value context = onnx_unet(g, config.unet, g.squeeze(embedding, 1), 1)[0];
+  const int64_t kernel = config.kernel_size;
+  const Value logits = generate(g, config, "kernel_generator", 0, kernel * kernel, embedding, context);
+  g.enter("filter");
+  const Value radiance = onnx_masked_mean(g, samples.radiance, samples.valid);
+  const Value log_n = g.where(g.is_zero(samples.drawn), g.number(-kInfinity), g.number(0));
+  if (gather) return onnx_gather(g, logits, g.squeeze(log_n, 1), radiance, kernel, 3);
+  return g.squeeze(onnx_splat(g, logits, log_n, g.unsqueeze(radiance, 1), kernel, 3, false), 1);
+}
+
+Value pixel_gather(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+  return pixel(g, config, samples, true);
+}
+
+Value pixel_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+  return pixel(g, config, samples, false);
+}
+
+/// models/sample_splat_network.h.
+Value sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+  g.enter("valid_features");
+  // A sample that is not valid takes the features of the pixel's first valid one.
+  const Value missing = g.is_zero(samples.valid);
+  const Value first = g.op("ArgMax", {samples.valid}, {{"axis", int64_t{1}}, {"keepdims", int64_t{1}}});
+  const Value index = g.expand(first, {1, 1, channel_count(config.features), 1, 1});
+  const Value theirs = g.op("GatherElements", {samples.features, index}, {{"axis", int64_t{1}}});
+  const Value features = g.where(missing, theirs, samples.features);
+
+  const Value embedding = reduce_samples(g, config, features);
+  const Value context = onnx_unet(g, config.unet, onnx_masked_mean(g, embedding, samples.valid), 1)[0];
+  const int64_t kernel = config.kernel_size;
+  const Value logits = generate(g, config, "kernel_generator", 0, kernel * kernel, embedding, context);
+  g.enter("splat");
+  const Value log_n = g.where(missing, g.number(-kInfinity), g.number(0));
+  return onnx_splat(g, logits, log_n, samples.radiance, kernel, 3, true);
+}
+
+using Translation = Value (*)(OnnxGraph&, const NetworkConfig&, const OnnxSamples&);
+
+/// As the registry of models/network.cpp.
+const std::map<std::string, Translation>& translations() {
+  static const std::map<std::string, Translation> by_name = {{"layer", layer},
+                                                             {"optimized", optimized},
+                                                             {"pixel_gather", pixel_gather},
+                                                             {"pixel_splat", pixel_splat},
+                                                             {"sample_splat", sample_splat}};
+  return by_name;
+}
+
+}  // namespace
+
+onnx::ModelProto onnx_model(const NetworkConfig& config, const std::vector<TensorView>& weights) {
+  const auto translation = translations().find(config.name);
+  if (translation == translations().end())
+    fail("network '{}' has no ONNX form; export it as safetensors", config.name);
+  OnnxGraph g(weights);
+  const int64_t channels = channel_count(config.features);
+  const Value features = g.input("features", {"B", "S", std::to_string(channels), "H", "W"});
+  const Value radiance = g.input("radiance", {"B", "S", "3", "H", "W"});
+  const Value valid = g.input("valid", {"B", "S", "1", "H", "W"});
+  OnnxSamples samples = onnx_sanitise(g, features, radiance, valid);
+  int64_t channel = 0;
+  for (const std::string& name : config.features) {
+    if (name == "radiance" && config.exposure_normalisation)
+      samples.features = onnx_exposed(g, samples, channel, channels);
+    channel += find_feature(name).channels;
+  }
+  g.output(translation->second(g, config, samples), "image", {"B", "3", "H", "W"});
+  return g.model();
+}
+
+}  // namespace ld

@@ -1,0 +1,19 @@
+// Whole networks (models/) as ONNX models: one function for each file there.
+#pragma once
+
+#include <onnx/onnx_pb.h>
+
+#include <vector>
+
+#include "models/network_config.h"
+#include "weights/safetensors.h"
+
+namespace ld {
+
+/// The network with these weights (float32 or float16), names as in the weight file. Inputs, all float32:
+/// features [B, S, F, H, W] encoded as frame/schema.h says, radiance [B, S, 3, H, W] linear, valid
+/// [B, S, 1, H, W]; output image [B, 3, H, W]; any B, S, H and W from 1. What the input may hold is as for
+/// Network::forward. Throws Error for a network that has no ONNX form or lacks a weight.
+onnx::ModelProto onnx_model(const NetworkConfig& config, const std::vector<TensorView>& weights);
+
+}  // namespace ld

@@ -1,0 +1,175 @@
+#include "export/onnx_export.h"
+
+#include <gtest/gtest.h>
+
+#include "core/file_io.h"
+#include "export/onnx_evaluator.h"
+#include "export/onnx_file.h"
+#include "tests/models/small_network.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/run_program.h"
+#include "weights/model_file.h"
+#include "weights/weight_file.h"
+
+namespace ld {
+namespace {
+
+using torch::Tensor;
+
+/// Of every registered network: as small_config(), with nearest upsampling, with more layers and larger
+/// kernels, with one tap, with exposure normalisation.
+std::vector<NetworkConfig> exported_configs() {
+  std::vector<NetworkConfig> configs;
+  for (NetworkConfig config : every_config()) {
+    configs.push_back(config);
+    config.kernel_size = 7;
+    config.unet.upsampling = "nearest";
+    config.exposure_normalisation = true;
+    if (has_layers(config)) config.layers = 3;
+    if (config.name == "optimized") config.levels = 2;
+    config.sample_partitioner = {};
+    configs.push_back(config);
+    config.kernel_size = 1;
+    config.kernel_generator = {};
+    config.exposure_normalisation = false;
+    configs.push_back(config);
+  }
+  return configs;
+}
+
+class OnnxExportTest : public ::testing::Test {
+ protected:
+  /// The model as exported and read back.
+  onnx::ModelProto exported(const NetworkConfig& config, double logit_scale = 1) {
+    source_ = {small_network(config, torch::kFloat32), R"({"steps": 3})"};
+    if (logit_scale != 1) scale_logits(*source_.network, logit_scale);
+    report_ = export_onnx(source_, path(), DType::f32, {random_input(config, 1, 2, 5, 6, torch::kFloat32)});
+    return parse_onnx(read_file(path()), path().string());
+  }
+  std::filesystem::path path() const { return folder_ / "model.onnx"; }
+
+  void expect_same(const OnnxEvaluator& evaluator, const NetworkInput& input, const std::string& what) {
+    const torch::InferenceMode no_graph;
+    const Tensor expected = source_.network->forward(input), found = evaluator.forward(input);
+    ASSERT_EQ(found.sizes(), expected.sizes()) << what;
+    EXPECT_LT(largest_relative_difference({found}, {expected}), 1e-4) << what;
+  }
+
+  TemporaryFolder folder_;
+  ExportSource source_;
+  OnnxExport report_;
+};
+
+TEST_F(OnnxExportTest, EveryNetworkAtEverySizeComputesWhatItDoesInCpp) {
+  for (const NetworkConfig& config : exported_configs()) {
+    const OnnxEvaluator evaluator(exported(config));
+    EXPECT_LT(report_.graph.largest_relative_difference, 1e-4) << title(config);
+    EXPECT_EQ(report_.weights.largest_relative_difference, 0);
+    const std::vector<std::vector<int64_t>> sizes = {
+        {1, 1, 1, 1}, {1, 1, 5, 3}, {2, 3, 16, 16}, {1, 4, 13, 21}};
+    for (const auto& s : sizes)
+      expect_same(evaluator, random_input(config, s[0], s[1], s[2], s[3], torch::kFloat32, 7),
+                  title(config) + " " + std::to_string(s[2]) + "x" + std::to_string(s[3]));
+  }
+}
+
+TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
+  for (const NetworkConfig& config : every_config()) {
+    const OnnxEvaluator evaluator(exported(config));
+    NetworkInput input = random_input(config, 1, 2, 9, 8, torch::kFloat32, 3);
+    const NetworkInput none = {input.features, input.radiance, torch::zeros_like(input.valid)};
+    EXPECT_EQ(evaluator.forward(none).abs().max().item<float>(), 0) << title(config);
+    input.features[0][0][1][4][4] = std::nanf("");
+    input.radiance[0][1][2][3][3] = std::numeric_limits<float>::infinity();
+    input.radiance[0][1][0][2][2] = -5;
+    input.radiance[0][0][0][1][1] = 3e38F;
+    input.features[0][0][2][6][6] = 1e20F;
+    // A block of pixels, larger than the kernel, that has no sample.
+    input.valid.narrow(3, 0, 4).narrow(4, 0, 4).zero_();
+    expect_same(evaluator, input, title(config));
+  }
+}
+
+TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
+  for (const NetworkConfig& config : every_config()) {
+    const OnnxEvaluator evaluator(exported(config, 30));
+    NetworkInput input = random_input(config, 1, 3, 12, 11, torch::kFloat32, 5);
+    input.valid.fill_(1);
+    input.radiance.fill_(2);
+    const Tensor image = evaluator.forward(input);
+    EXPECT_LT((image - 2).abs().max().item<float>(), 2e-4) << title(config);
+  }
+}
+
+TEST_F(OnnxExportTest, TheFileSaysWhatItIsAndWhatWasMeasured) {
+  const NetworkConfig config = small_config();
+  const onnx::ModelProto model = exported(config);
+  EXPECT_EQ(model.opset_import(0).version(), 15);
+  ASSERT_EQ(model.graph().input_size(), 3);
+  EXPECT_EQ(model.graph().input(0).name(), "features");
+  EXPECT_EQ(model.graph().input(0).type().tensor_type().shape().dim(2).dim_value(),
+            channel_count(config.features));
+  EXPECT_EQ(model.graph().output(0).name(), "image");
+  std::map<std::string, std::string> metadata;
+  for (const auto& entry : model.metadata_props()) metadata[entry.key()] = entry.value();
+  EXPECT_EQ(metadata.at("format"), "ld-onnx");
+  EXPECT_EQ(metadata.at("network"), config_to_yaml(config));
+  EXPECT_EQ(metadata.at("features"), describe_features(config.features));
+  EXPECT_EQ(metadata.at("provenance"), R"({"steps": 3})");
+  EXPECT_NE(metadata.at("export").find(R"("onnx":{"largest_relative_difference":)"), std::string::npos);
+  // The weights by their names, and little else: the graph itself is small.
+  std::set<std::string> names;
+  for (const auto& tensor : model.graph().initializer()) names.insert(tensor.name());
+  for (const auto& parameter : source_.network->named_parameters())
+    EXPECT_EQ(names.count(parameter.key()), 1U) << parameter.key();
+}
+
+TEST_F(OnnxExportTest, HalfWeightsHalveTheFile) {
+  NetworkConfig config = small_config();
+  config.kernel_generator = {100, 100};
+  source_ = {small_network(config, torch::kFloat32), ""};
+  const std::vector<NetworkInput> inputs = {random_input(config, 1, 2, 9, 9, torch::kFloat32)};
+  export_onnx(source_, folder_ / "f32.onnx", DType::f32, inputs);
+  const OnnxExport half = export_onnx(source_, folder_ / "f16.onnx", DType::f16, inputs);
+  EXPECT_GT(half.weights.largest_relative_difference, 0);
+  EXPECT_LT(half.weights.largest_relative_difference, kHalfTolerance);
+  EXPECT_LT(half.graph.largest_relative_difference, 1e-4);
+  const auto whole = file_size(folder_ / "f32.onnx"), small = file_size(folder_ / "f16.onnx");
+  EXPECT_LT(small, whole - 20000);
+}
+
+TEST_F(OnnxExportTest, DamagedModelsAreRefusedInOneLine) {
+  exported(small_config());
+  const std::string bytes = read_file(path());
+  EXPECT_ERROR(parse_onnx(bytes.substr(0, bytes.size() / 2), "m.onnx"), "m.onnx: no ONNX model");
+  EXPECT_ERROR(parse_onnx("", "m.onnx"), "m.onnx: no ONNX model");
+  std::string renamed = bytes;  // an operator that does not exist
+  renamed.replace(renamed.find("LeakyRelu"), 9, "LeakyRelo");
+  EXPECT_ERROR(parse_onnx(renamed, "m.onnx"), "m.onnx: not a valid ONNX model: ");
+  EXPECT_ERROR(load_source(path()), "model.onnx");
+}
+
+TEST_F(OnnxExportTest, TheProgramExportsAndPrintsTheDifference) {
+  write_file_atomically(folder_ / "train.yaml",
+                        "network:\n  features: [radiance, albedo]\n  kernel_size: 3\n  sample_reducer: [4]\n"
+                        "  sample_partitioner: [4]\n  kernel_generator: [4]\n"
+                        "  unet: {encoder: [[4], [4]], bottleneck: [4], decoder: [[4], [4]], context: 4}\n");
+  const std::string out = path().string(), data = (folder_ / "check.safetensors").string();
+  const ProgramResult result =
+      run_program("ld_export", {"--untrained", (folder_ / "train.yaml").string(), "--format", "onnx", "--out",
+                                out, "--check-data", data});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("ONNX graph and C++ network: largest relative difference"), std::string::npos)
+      << result.output;
+  const SafetensorsFile check(data);
+  EXPECT_EQ(check.tensor("image_1").shape, (std::vector<int64_t>{2, 3, 16, 16}));
+  const OnnxEvaluator evaluator(parse_onnx(read_file(out), out));
+  const NetworkInput input = {read_tensor(check.tensor("features_1")),
+                              read_tensor(check.tensor("radiance_1")), read_tensor(check.tensor("valid_1"))};
+  EXPECT_LT(largest_relative_difference({evaluator.forward(input)}, {read_tensor(check.tensor("image_1"))}),
+            1e-4);
+  expect_failure(run_program("ld_export", {"--format", "onnx", "--out", out}), 2, {"--model or --untrained"});
+}
+
+}  // namespace
+}  // namespace ld
