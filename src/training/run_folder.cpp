@@ -34,8 +34,7 @@ void claim_run_folder(const std::filesystem::path& run, const TrainConfig& confi
       if (before != now)
         fail_usage(
             "{} holds a run with another configuration: there '{}', here '{}'; choose another --out, or "
-            "change it "
-            "back to continue that run",
+            "change it back to continue that run",
             run.string(), trimmed(before), trimmed(now));
     }
   }

@@ -79,10 +79,15 @@ void Trainer::train() {
   if (state_.step < last_step_ && group_.is_root()) announce();
   try {
     run_steps();
+  } catch (const LostPeer&) {  // perhaps rank 0, so whoever still lives saves
+    if (group_.is_root() || !checkpoints_.holds(state_.step)) rescue();
+    throw;
   } catch (const std::exception&) {
-    rescue();
+    if (group_.is_root()) rescue();
     throw;
   }
+  if (saved_.step != state_.step) save_at_end();
+  group_.barrier("ending");
 }
 
 void Trainer::run_steps() {
@@ -94,8 +99,6 @@ void Trainer::run_steps() {
     finish_step();
     if (group_.is_root()) progress.advance(1, fmt::format("loss {:.4f}", loss));
   }
-  if (saved_.step != state_.step) save_at_end();
-  group_.barrier("ending");
 }
 
 /// Collective: all stop after the same step.
@@ -152,11 +155,9 @@ void Trainer::end_diverged() {
   const int64_t skipped = state_.skipped_in_a_row;
   state_ = before_skips_;
   fail(
-      "{} steps in a row had no finite loss and gradient, from step {} on (seed {}, crops {}); '{}' does "
-      "them "
-      "again from the checkpoint before; to train on, lower optimizer.learning_rate or set "
-      "optimizer.clip_norm "
-      "in a new run",
+      "{} steps in a row had no finite loss and gradient, from step {} on (seed {}, crops {}); '{}' repeats "
+      "them from the checkpoint before; to train on, lower optimizer.learning_rate or set "
+      "optimizer.clip_norm in a new run",
       skipped, state_.step + 1, config_.seed,
       training_set_.describe(state_.step * config_.optimizer.accumulate, config_.optimizer.accumulate),
       reproducing_command(run_, run_.string(), static_cast<int>(torch::get_num_threads())));

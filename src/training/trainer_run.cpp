@@ -143,17 +143,14 @@ void Trainer::save_at_end() {
     if (save(best_unsaved_)) return;
   }
   fail(
-      "steps {} to {} are lost: no checkpoint could be written, as reported above; make room in {} and start "
-      "the "
-      "same command again",
+      "steps {} to {} are lost: no checkpoint could be written, as reported above; make room in {} and "
+      "start the same command again",
       saved_.step + 1, state_.step, run_.string());
 }
 
-/// Saves what was done when an error ends the run, on every process that still lives: rank 0 may be the one
-/// that is lost.
+/// Saves what was done when an error ends the run.
 void Trainer::rescue() {
   if (state_.step <= saved_.step) return;
-  if (!group_.is_root() && checkpoints_.holds(state_.step)) return;
   try {
     write_checkpoint(best_unsaved_);
     spdlog::warn("step {} is saved before the run ends", state_.step);

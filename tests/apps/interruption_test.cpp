@@ -1,17 +1,15 @@
 // ld_render killed at any time goes on and ends with the same bytes; a full disk is reported and loses
 // nothing.
 #include <gtest/gtest.h>
-#include <sys/mount.h>
-#include <sys/resource.h>
 
 #include <chrono>
-#include <csignal>
 #include <cstring>
 #include <map>
 #include <thread>
 
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/run_program.h"
 
@@ -99,29 +97,6 @@ TEST_F(Interruption, KilledAtAnyTimeItEndsWithTheSameBytes) {
   EXPECT_GE(killed, kMoments / 2) << "the others had finished in time";
 }
 
-/// While it lives, this process and those it starts cannot make files larger: writing fails as on a full
-/// disk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(size_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    rlimit limit = before_;
-    limit.rlim_cur = bytes;
-    EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
-
 TEST_F(Interruption, NoRoomForAFrameIsReportedAndLosesNothing) {
   const fs::path out = folder_ / "full";
   ASSERT_EQ(run_program("ld_render", arguments(out, "0:2")).exit_code, 0);
@@ -170,27 +145,6 @@ TEST(FullDisk, TheLastBytesCountAsMuchAsTheFirst) {
     }
   }
 }
-
-/// A disk of its own, when this process may mount one.
-class SmallDisk {
- public:
-  explicit SmallDisk(const fs::path& path) : path_(path) { fs::create_directories(path); }
-  ~SmallDisk() {
-    if (mounted_) umount2(path_.c_str(), MNT_DETACH);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-  bool mount_with(const std::string& size) {
-    const bool done =
-        mount("tmpfs", path_.c_str(), "tmpfs", mounted_ ? MS_REMOUNT : 0, ("size=" + size).c_str()) == 0;
-    mounted_ = mounted_ || done;
-    return done;
-  }
-
- private:
-  fs::path path_;
-  bool mounted_ = false;
-};
 
 TEST_F(Interruption, AFullDiskIsReportedAndLosesNothing) {
   SmallDisk disk(folder_ / "disk");

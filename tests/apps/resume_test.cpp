@@ -21,15 +21,21 @@ class Resume : public ::testing::Test {
                                                       "run:\n  validate_every: 10\n  checkpoint_every: 10\n");
   }
   std::vector<std::string> arguments(const std::string& run, int steps) {
-    return {"--config",
-            (folder_ / "train.yaml").string(),
-            "--out",
-            (folder_ / run).string(),
-            "data.path=" + (folder_ / "data").string(),
-            "run.max_steps=" + std::to_string(steps)};
+    std::vector<std::string> words = {"--config",
+                                      (folder_ / "train.yaml").string(),
+                                      "--out",
+                                      (folder_ / run).string(),
+                                      "data.path=" + (folder_ / "data").string(),
+                                      "run.max_steps=" + std::to_string(steps)};
+    words.insert(words.end(), settings_.begin(), settings_.end());
+    return words;
   }
-  std::string weights(const std::string& run) {
-    return read_file(folder_ / run / "checkpoints/last/weights.safetensors");
+  /// Weights, moments, state and the rows of the log.
+  std::string result(const std::string& run) {
+    std::string bytes = read_file(folder_ / run / "metrics.csv");
+    for (const char* name : {"weights.safetensors", "optimizer.safetensors", "state.json"})
+      bytes += read_file(folder_ / run / "checkpoints/last" / name);
+    return bytes;
   }
 
   /// Waits until the run has a checkpoint, then sends the signal; the program must still have had work to do.
@@ -47,14 +53,17 @@ class Resume : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  std::vector<std::string> settings_;
 };
 
-TEST_F(Resume, ATrainingThatWasKilledEndsWithTheSameWeights) {
+TEST_F(Resume, ATrainingThatWasKilledEndsWithTheSameBytes) {
+  settings_ = {"data.batch=2", "optimizer.accumulate=2", "optimizer.schedule=one_cycle", "optimizer.ema=0.99",
+               "run.log_every=7"};
   EXPECT_EQ(interrupt("killed", SIGKILL), -SIGKILL);
   const int more = steps("killed") + 20;
   EXPECT_EQ(run_program("ld_train", arguments("killed", more)).exit_code, 0);
   EXPECT_EQ(run_program("ld_train", arguments("straight", more)).exit_code, 0);
-  EXPECT_EQ(weights("killed"), weights("straight"));
+  EXPECT_EQ(result("killed"), result("straight"));
 }
 
 TEST_F(Resume, SigtermAndSigintSaveAndSaySo) {
@@ -63,7 +72,7 @@ TEST_F(Resume, SigtermAndSigintSaveAndSaySo) {
   const int more = steps("terminated") + 7;
   EXPECT_EQ(run_program("ld_train", arguments("terminated", more)).exit_code, 0);
   EXPECT_EQ(run_program("ld_train", arguments("straight", more)).exit_code, 0);
-  EXPECT_EQ(weights("terminated"), weights("straight"));
+  EXPECT_EQ(result("terminated"), result("straight"));
 }
 
 }  // namespace

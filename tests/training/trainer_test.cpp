@@ -2,37 +2,21 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <nlohmann/json.hpp>
+
 #include <fstream>
 
-#include "core/error.h"
-#include "core/file_io.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/support/tiny_dataset.h"
-#include "training/run_folder.h"
-#include "training/schedule.h"
+#include "core/log.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/full_disk.h"
+#include "tests/training/tiny_training.h"
+#include "training/estimate.h"
 #include "weights/model_file.h"
 
 namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-
-TrainConfig tiny_config(const fs::path& data, int64_t max_steps) {
-  auto config = config_from_tree<TrainConfig>(parse_config(tiny_network_yaml(), "tiny"));
-  config.data.path = data.string();
-  config.data.crop = 8;
-  config.data.batch = 2;
-  config.optimizer.schedule = "cosine";
-  config.run = {max_steps, 5, 10, 10};
-  return config;
-}
-
-/// The weights and the optimiser of the last checkpoint, as bytes.
-std::string last_checkpoint(const fs::path& run) {
-  return read_file(run / "checkpoints/last/weights.safetensors") +
-         read_file(run / "checkpoints/last/optimizer.safetensors");
-}
 
 class TrainerTest : public ::testing::Test {
  protected:
@@ -47,13 +31,6 @@ class TrainerTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(TrainerTest, StoppingAndContinuingChangesNoBit) {
-  train("straight", 40);
-  train("halves", 20);
-  train("halves", 40);
-  EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "halves"));
-}
-
 TEST_F(TrainerTest, WorkersAndTheCacheChangeNoBitAndMayChangeMeanwhile) {
   train("straight", 20);
   const auto train_with = [&](int64_t workers, const std::string& cache, int64_t steps) {
@@ -63,7 +40,7 @@ TEST_F(TrainerTest, WorkersAndTheCacheChangeNoBitAndMayChangeMeanwhile) {
     Trainer trainer(config, folder_ / "other");
     trainer.train();
   };
-  train_with(0, "none", 7);
+  train_with(0, "none", 10);
   train_with(5, (folder_ / "cache").string(), 20);
   EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "other"));
   EXPECT_TRUE(fs::exists(folder_ / "data/.cache"));
@@ -86,8 +63,7 @@ TEST_F(TrainerTest, LearnsTheMeanThatTheTinyReferenceIs) {
   std::ifstream csv(folder_ / "run/metrics.csv");
   std::string line;
   std::getline(csv, line);
-  EXPECT_EQ(line,
-            "step,epoch,learning_rate,train_loss,seconds_per_step,validation_loss,relmse,smape,ssim,psnr");
+  EXPECT_EQ(line, "step,epoch,learning_rate,train_loss,skipped,validation_loss,relmse,smape,ssim,psnr");
   std::vector<double> losses;
   while (std::getline(csv, line)) {
     std::istringstream cells(line);
@@ -99,15 +75,12 @@ TEST_F(TrainerTest, LearnsTheMeanThatTheTinyReferenceIs) {
   EXPECT_LT(losses.back(), 0.5 * losses.front());
   EXPECT_LT(trainer.state().best_score, 1.0);
   EXPECT_TRUE(fs::exists(folder_ / "run/checkpoints/best/weights.safetensors"));
-}
-
-TEST_F(TrainerTest, KeepsOnlyTheLastAndTheBestCheckpoint) {
-  train("run", 40);
-  int folders = 0;
-  for (const auto& entry : fs::directory_iterator(folder_ / "run/checkpoints"))
-    if (entry.path().filename().string().rfind("step_", 0) == 0 && !entry.is_symlink()) ++folders;
-  EXPECT_LE(folders, 2);
-  EXPECT_EQ(fs::read_symlink(folder_ / "run/checkpoints/last"), "step_00000040");
+  EXPECT_TRUE(fs::exists(folder_ / "run/timing.csv"));
+  EXPECT_TRUE(fs::exists(folder_ / "run/train.log"));
+  EXPECT_FALSE(fs::is_empty(folder_ / "run/tensorboard"));
+  const auto json = nlohmann::json::parse(read_file(folder_ / "run/run.json"));
+  EXPECT_EQ(json.at("total_steps"), 2000);
+  EXPECT_EQ(json.at("libtorch"), TORCH_VERSION);
 }
 
 TEST_F(TrainerTest, ARunFolderHoldsOneConfiguration) {
@@ -115,69 +88,112 @@ TEST_F(TrainerTest, ARunFolderHoldsOneConfiguration) {
   const std::string before = last_checkpoint(folder_ / "run");
   TrainConfig other = tiny_config(folder_ / "data", 10);
   other.optimizer.learning_rate = 0.1;
-  try {
-    Trainer trainer(other, folder_ / "run");
-    FAIL() << "another configuration was accepted";
-  } catch (const UsageError& error) {
-    EXPECT_NE(std::string(error.what()).find("'learning_rate: 0.005', here 'learning_rate: 0.1'"),
-              std::string::npos)
-        << error.what();
-  }
+  EXPECT_ERROR(Trainer(other, folder_ / "run"), "'learning_rate: 0.005', here 'learning_rate: 0.1'");
+  other = tiny_config(folder_ / "data", 10);
+  other.data.batch = 4;
+  EXPECT_ERROR(Trainer(other, folder_ / "run"), "takes 2 crops a step, but data.batch=4");
   EXPECT_EQ(last_checkpoint(folder_ / "run"), before);
 }
 
-TEST_F(TrainerTest, ADamagedCheckpointIsAnError) {
+TEST_F(TrainerTest, ABatchMayBeDividedAnew) {
+  train("run", 10);
+  TrainConfig other = tiny_config(folder_ / "data", 20);
+  other.data.batch = 1;
+  other.optimizer.accumulate = 2;
+  Trainer trainer(other, folder_ / "run");
+  trainer.train();
+  EXPECT_EQ(trainer.state().step, 20);
+}
+
+TEST_F(TrainerTest, ADamagedCheckpointFallsBackToTheOneBefore) {
+  train("straight", 40);
+  train("run", 30);
+  std::ofstream(folder_ / "run/checkpoints/last/weights.safetensors", std::ios::app) << "x";
+  train("run", 40);
+  EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "run"));
+  EXPECT_EQ(read_file(folder_ / "straight/metrics.csv"), read_file(folder_ / "run/metrics.csv"));
+  spdlog::default_logger()->flush();
+  const std::string log = read_file(folder_ / "run/train.log");
+  EXPECT_NE(log.find("checkpoint step_00000030 is damaged"), std::string::npos) << log;
+  EXPECT_NE(log.find("falling back to checkpoint step_00000020"), std::string::npos);
+}
+
+TEST_F(TrainerTest, NoWholeCheckpointIsAnErrorAndNoNewBeginning) {
   train("run", 10);
   std::ofstream(folder_ / "run/checkpoints/last/weights.safetensors", std::ios::app) << "x";
-  EXPECT_THROW(Trainer(tiny_config(folder_ / "data", 20), folder_ / "run"), Error);
+  EXPECT_ERROR(Trainer(tiny_config(folder_ / "data", 20), folder_ / "run"), "no checkpoint is whole");
 }
 
-TEST_F(TrainerTest, StepsWithoutFiniteGradientsAreSkippedAndAHopelessRunEnds) {
-  Trainer trainer(tiny_config(folder_ / "data", 400), folder_ / "run");
-  const std::vector<torch::Tensor> parameters = trainer.network().parameters();
-  std::vector<torch::Tensor> before;
+TEST_F(TrainerTest, AFullDiskIsReportedAndTheRunGoesOn) {
+  train("straight", 40);
+  int passes = 0;
+  std::unique_ptr<FileSizeLimit> full;
+  TrainerOptions options;
+  options.loss = [&, smape = make_loss("smape")](const torch::Tensor& denoised,
+                                                 const torch::Tensor& reference) {
+    if (torch::GradMode::is_enabled()) ++passes;  // two before the first step
+    if (passes == 2 + 15) full = std::make_unique<FileSizeLimit>(1);
+    if (passes == 2 + 35) full.reset();
+    return smape(denoised, reference);
+  };
+  Trainer trainer(tiny_config(folder_ / "data", 40), folder_ / "run", options);
+  trainer.train();
+  EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "run"));
+  EXPECT_EQ(read_file(folder_ / "straight/metrics.csv"), read_file(folder_ / "run/metrics.csv"));
+  EXPECT_TRUE(fs::exists(folder_ / "run/checkpoints/step_00000010"));
+  EXPECT_FALSE(fs::exists(folder_ / "run/checkpoints/step_00000030"));
+}
+
+TEST_F(TrainerTest, ADiskThatStaysFullIsAnErrorAtTheEnd) {
+  train("straight", 20);
+  train("run", 10);
   {
-    const torch::NoGradGuard no_graph;
-    parameters[0].fill_(std::nan(""));  // every loss from here on is NaN
-    for (const torch::Tensor& parameter : parameters) before.push_back(parameter.clone());
+    Trainer trainer(tiny_config(folder_ / "data", 20), folder_ / "run");
+    const FileSizeLimit full(1);
+    EXPECT_ERROR(trainer.train(), "steps 11 to 20 are lost");
   }
-  try {
-    trainer.train();
-    FAIL() << "a training without a finite loss went on to its end";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("diverged"), std::string::npos) << error.what();
-  }
-  EXPECT_EQ(trainer.state().optimizer_steps, 0);
-  for (size_t i = 1; i < parameters.size(); ++i) EXPECT_TRUE(parameters[i].equal(before[i])) << i;
+  train("run", 20);
+  EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "run"));
 }
 
-TEST(Schedule, FollowsItsFormulas) {
-  OptimizerConfig config;
-  config.learning_rate = 1;
-  EXPECT_EQ(learning_rate(config, 500, 10, 1000), 1);
-  config.schedule = "halve";
-  config.halve_every = 10;
-  EXPECT_EQ(learning_rate(config, 99, 10, 1000), 1);
-  EXPECT_EQ(learning_rate(config, 100, 10, 1000), 0.5);
-  EXPECT_EQ(learning_rate(config, 399, 10, 1000), 0.125);
-  config.schedule = "cosine";
-  EXPECT_NEAR(learning_rate(config, 500, 10, 1000), 0.5, 1e-9);
-  EXPECT_NEAR(learning_rate(config, 999, 10, 1000), 0, 1e-5);
-  config.warmup_steps = 4;
-  EXPECT_NEAR(learning_rate(config, 0, 10, 1000000), 0.25, 1e-6);
+TEST_F(TrainerTest, TheTimeBudgetStopsAndSaves) {
+  TrainConfig config = tiny_config(folder_ / "data", 0);
+  config.run.max_minutes = 1.0 / 60;
+  Trainer trainer(config, folder_ / "run");
+  trainer.train();
+  EXPECT_GT(trainer.state().step, 0);
+  EXPECT_LT(trainer.state().step, trainer.total_steps());
+  Trainer again(config, folder_ / "run");
+  EXPECT_EQ(again.state().step, trainer.state().step);
 }
 
-TEST(EventLog, DropsTheRowsThatAResumedRunWritesAgain) {
-  const TemporaryFolder folder;
-  {
-    EventLog log(folder / "m.csv", {"loss", "rate"}, 0);
-    log.write(5, {{"loss", 0.5}});
-    log.write(10, {{"loss", 0.25}, {"rate", 1e-3}});
-    log.write(15, {{"rate", 1}});
-  }
-  EventLog log(folder / "m.csv", {"loss", "rate"}, 10);
-  log.write(15, {{"loss", 0.125}});
-  EXPECT_EQ(read_file(folder / "m.csv"), "step,loss,rate\n5,0.5,\n10,0.25,0.001\n15,0.125,\n");
+TEST_F(TrainerTest, AveragedWeightsValidateAndAreSaved) {
+  TrainConfig config = tiny_config(folder_ / "data", 10);
+  config.optimizer.ema = 0.9;
+  Trainer trainer(config, folder_ / "run");
+  trainer.train();
+  const torch::Tensor average = all_parameters(trainer.averaged_network());
+  EXPECT_FALSE(average.equal(all_parameters(trainer.network())));
+  EXPECT_TRUE(average.equal(all_parameters(*load_model(folder_ / "run"))));
+}
+
+TEST(Estimate, SaysTimeMemoryAndDisk) {
+  Plan plan;
+  plan.batch = {0.5, 1e-6, 700};
+  plan.accumulate = 2;
+  plan.steps = 3600;
+  plan.validation_pixels = 1000000;
+  plan.validations = 100;
+  plan.state_megabytes = 30;
+  plan.checkpoint_bytes = 30000000;
+  plan.checkpoints = 4;
+  plan.free_bytes = 100000000;
+  EXPECT_EQ(time_text(plan), "estimate: 3600 steps of 1 s and 100 validations: 1h01m; memory 730 MB");
+  plan.max_minutes = 37;
+  EXPECT_NE(time_text(plan).find("run.max_minutes=37 ends it after about 2160 steps"), std::string::npos)
+      << time_text(plan);
+  EXPECT_EQ(disk_text(plan), "estimate: up to 4 checkpoints of 30.0 MB: 120.0 MB of the 100 MB free");
+  EXPECT_FALSE(fits_on_disk(plan));
 }
 
 }  // namespace

@@ -1,0 +1,156 @@
+// Schedules, tables and notes of a run: what needs no LibTorch.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "core/file_io.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/full_disk.h"
+#include "tests/support/temporary_folder.h"
+#include "training/event_log.h"
+#include "training/run_folder.h"
+#include "training/schedule.h"
+#include "training/training_state.h"
+
+namespace ld {
+namespace {
+
+OptimizerConfig schedule(const std::string& name) {
+  OptimizerConfig config;
+  config.learning_rate = 1;
+  config.schedule = name;
+  return config;
+}
+
+TEST(Schedule, Constant) {
+  EXPECT_EQ(learning_rate(schedule("constant"), 0, 0, 1000), 1);
+  EXPECT_EQ(learning_rate(schedule("constant"), 999, 50, 1000), 1);
+}
+
+TEST(Schedule, StepsDownByEpochs) {
+  OptimizerConfig config = schedule("step");
+  config.step_epochs = 10;
+  EXPECT_EQ(learning_rate(config, 99, 9, 1000), 1);
+  EXPECT_EQ(learning_rate(config, 100, 10, 1000), 0.5);
+  EXPECT_EQ(learning_rate(config, 399, 39, 1000), 0.125);
+  config.step_factor = 0.1;
+  EXPECT_DOUBLE_EQ(learning_rate(config, 200, 20, 1000), 0.01);
+}
+
+TEST(Schedule, Cosine) {
+  const OptimizerConfig config = schedule("cosine");
+  EXPECT_EQ(learning_rate(config, 0, 0, 1000), 1);
+  EXPECT_NEAR(learning_rate(config, 250, 0, 1000), 0.5 + std::sqrt(0.125), 1e-12);
+  EXPECT_NEAR(learning_rate(config, 500, 0, 1000), 0.5, 1e-12);
+  EXPECT_NEAR(learning_rate(config, 999, 0, 1000), 0, 1e-5);
+}
+
+TEST(Schedule, OneCycleIsPyTorchs) {
+  // torch.optim.lr_scheduler.OneCycleLR(max_lr=1, total_steps=101): it rises over 29.3 steps.
+  const OptimizerConfig config = schedule("one_cycle");
+  EXPECT_NEAR(learning_rate(config, 0, 0, 101), 0.04, 1e-12);
+  const double rising = 0.04 + 0.96 * 0.5 * (1 - std::cos(M_PI * 10 / 29.3));
+  EXPECT_NEAR(learning_rate(config, 10, 0, 101), rising, 1e-9);
+  const double falling = 4e-6 + (1 - 4e-6) * 0.5 * (1 + std::cos(M_PI * (60 - 29.3) / (100 - 29.3)));
+  EXPECT_NEAR(learning_rate(config, 60, 0, 101), falling, 1e-9);
+  EXPECT_NEAR(learning_rate(config, 100, 0, 101), 4e-6, 1e-12);
+  for (int64_t total = 1; total < 8; ++total)
+    for (int64_t step = 0; step < total; ++step) {
+      const double rate = learning_rate(config, step, 0, total);
+      EXPECT_TRUE(rate > 0 && rate <= 1) << step << " of " << total << ": " << rate;
+    }
+}
+
+TEST(Schedule, WarmUp) {
+  OptimizerConfig config = schedule("cosine");
+  config.warmup_steps = 4;
+  EXPECT_NEAR(learning_rate(config, 0, 0, 1000000), 0.25, 1e-6);
+  EXPECT_NEAR(learning_rate(config, 2, 0, 1000000), 0.75, 1e-6);
+  EXPECT_NEAR(learning_rate(config, 4, 0, 1000000), 1, 1e-6);
+  config.schedule = "one_cycle";
+  EXPECT_ERROR(check_schedule(config), "a rise of its own");
+  config.warmup_steps = 0;
+  EXPECT_NO_THROW(check_schedule(config));
+}
+
+TEST(State, KeepsEveryBit) {
+  TrainingState state;
+  state.step = 123;
+  state.optimizer_steps = 120;
+  state.skipped = 3;
+  state.skipped_in_a_row = 1;
+  state.loss_sum = 0.1 + 0.2;
+  state.loss_count = 7;
+  state.validation_due = true;
+  state.best_score = 1.0 / 3;
+  state.best_step = 100;
+  state.crops_per_step = 8;
+  state.dataset = "0123456789abcdef";
+  const std::string text = state_to_json(state);
+  const TrainingState read = state_from_json(text, "state.json");
+  EXPECT_EQ(state_to_json(read), text);
+  EXPECT_EQ(read.loss_sum, state.loss_sum);
+  EXPECT_EQ(read.best_score, state.best_score);
+  EXPECT_TRUE(std::isinf(state_from_json(state_to_json({}), "state.json").best_score));
+  EXPECT_ERROR(state_from_json("{\"step\": 5}", "state.json"), "begin a new run");
+  EXPECT_ERROR(state_from_json("{\"version\": 2, \"step\": 5}", "state.json"), "optimizer_steps");
+  EXPECT_ERROR(state_from_json("[]", "state.json"), "state.json");
+}
+
+TEST(EventLog, DropsTheRowsThatAResumedRunWritesAgain) {
+  const TemporaryFolder folder;
+  {
+    EventLog log(folder / "m.csv", {"loss", "rate"}, 0);
+    log.write(5, {{"loss", 0.5}});
+    log.write(10, {{"loss", 0.25}, {"rate", 1e-3}});
+    log.write(15, {{"rate", 1}});
+  }
+  EventLog log(folder / "m.csv", {"loss", "rate"}, 10);
+  log.write(15, {{"loss", 0.125}});
+  EXPECT_EQ(read_file(folder / "m.csv"), "step,loss,rate\n5,0.5,\n10,0.25,0.001\n15,0.125,\n");
+}
+
+TEST(EventLog, RowsWaitForRoom) {
+  const TemporaryFolder folder;
+  EventLog log(folder / "m.csv", {"loss"}, 0);
+  log.write(1, {{"loss", 0.5}});
+  const std::string before = read_file(folder / "m.csv");
+  {
+    const FileSizeLimit limit(before.size() + 3);  // room for half a row
+    log.write(2, {{"loss", 0.25}});
+    log.write(3, {{"loss", 0.125}});
+    EXPECT_FALSE(log.flush());
+    EXPECT_EQ(read_file(folder / "m.csv"), before);
+  }
+  EXPECT_TRUE(log.flush());
+  EXPECT_EQ(read_file(folder / "m.csv"), before + "2,0.25\n3,0.125\n");
+}
+
+TEST(RunFolder, TellsHowToDoTheRunAgain) {
+  const TemporaryFolder folder;
+  TrainConfig config;
+  config.seed = 7;
+  RunOrigin origin;
+  origin.command = "ld_train --config a.yaml";
+  origin.threads = 2;
+  write_origin(folder.path(), config, origin);
+  const auto json = nlohmann::json::parse(read_file(folder / "run.json"));
+  EXPECT_EQ(json.at("seed"), 7);
+  EXPECT_EQ(json.at("command"), "ld_train --config a.yaml");
+  EXPECT_NE(json.at("reproduce").get<std::string>().find("config.yaml --threads 2 --out NEW_RUN"),
+            std::string::npos);
+  EXPECT_EQ(json.at("program").get<std::string>().rfind("ld_train 0.", 0), 0u);
+}
+
+TEST(RunFolder, WordsForShells) {
+  EXPECT_EQ(shell_word("data.path=out/a_b-1.yaml"), "data.path=out/a_b-1.yaml");
+  EXPECT_EQ(shell_word("a b"), "'a b'");
+  EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(shell_word(""), "''");
+  EXPECT_EQ(shell_word("$HOME"), "'$HOME'");
+}
+
+}  // namespace
+}  // namespace ld

@@ -1,0 +1,39 @@
+// Trainings of milliseconds.
+#pragma once
+
+#include <string>
+
+#include "core/file_io.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_dataset.h"
+#include "training/trainer.h"
+
+namespace ld {
+
+/// 2 batches an epoch of a data set of 4 frames; a log row each 5 steps, validation and checkpoint each 10.
+inline TrainConfig tiny_config(const std::filesystem::path& data, int64_t max_steps) {
+  auto config = config_from_tree<TrainConfig>(parse_config(tiny_network_yaml(), "tiny"));
+  config.data.path = data.string();
+  config.data.crop = 8;
+  config.data.batch = 2;
+  config.optimizer.schedule = "cosine";
+  config.run = {max_steps, 5, 10, 10};
+  return config;
+}
+
+/// Weights, optimiser (with the trained weights where others are averaged) and state of the last checkpoint.
+inline std::string last_checkpoint(const std::filesystem::path& run) {
+  std::string bytes;
+  for (const char* name : {"weights.safetensors", "optimizer.safetensors", "state.json"})
+    bytes += read_file(run / "checkpoints/last" / name);
+  return bytes;
+}
+
+/// All parameters of a network, one after the other.
+inline torch::Tensor all_parameters(const Network& network) {
+  std::vector<torch::Tensor> flat;
+  for (const torch::Tensor& parameter : network.parameters()) flat.push_back(parameter.detach().flatten());
+  return torch::cat(flat);
+}
+
+}  // namespace ld
