@@ -81,17 +81,15 @@ TEST(ModelDamage, AbsurdSizesAreRefusedBeforeTheyTakeMemory) {
     network.unet.bottleneck = {4096, 4096, 4096};
     network.unet.decoder = {{4096}, {4096}};
     refused(network);
-    network = NetworkConfig{};
-    network.name = name;
-    network.unet.encoder.assign(70000, {1});  // sizes of pictures would overflow, too
-    network.unet.decoder.assign(70000, {1});
-    refused(network);
-    network = NetworkConfig{};
-    network.name = name;
-    network.sample_reducer.assign(5000, 4096);
-    network.kernel_generator.assign(5000, 4096);
-    refused(network);
   }
+  NetworkConfig many;
+  many.unet.encoder.assign(70000, {1});  // sizes of pictures would overflow, too
+  many.unet.decoder.assign(70000, {1});
+  refused(many);
+  many = NetworkConfig{};
+  many.sample_reducer.assign(5000, 4096);
+  many.kernel_generator.assign(5000, 4096);
+  refused(many);
 }
 
 }  // namespace
