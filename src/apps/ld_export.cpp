@@ -25,6 +25,7 @@ void report(const std::string& what, const ld::Parity& parity) {
 int main(int argc, char** argv) {
   std::string model, untrained, format, out, dtype, check_data, card;
   std::vector<std::filesystem::path> frames;
+  double allowed = ld::kOnnxTolerance;
   ld::Application app(
       "ld_export", "Exports a network to one deployable file and measures what that changes in its output.");
   CLI::App& options = app.options();
@@ -47,6 +48,11 @@ int main(int argc, char** argv) {
                      "frames (.exr) to measure the differences on, besides three random pictures");
   options.add_option("--check-data", check_data,
                      "also write those pictures and the network's output for them, as safetensors");
+  options
+      .add_option("--allowed", allowed,
+                  "largest relative difference between the ONNX graph and the C++ network")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   options.add_option("--card", card, "also write a page about the file for people (.md)");
 
   return app.run(argc, argv, [&] {
@@ -61,7 +67,7 @@ int main(int argc, char** argv) {
     ld::Metadata metadata;
     nlohmann::ordered_json json = {{"file", out}, {"format", format}, {"dtype", dtype}};
     if (format == "onnx") {
-      const ld::OnnxExport result = ld::export_onnx(source, out, type, inputs);
+      const ld::OnnxExport result = ld::export_onnx(source, out, type, inputs, allowed);
       spdlog::info("{} written: {} nodes, weights as {}", out, result.nodes, dtype);
       report("weights as " + dtype, result.weights);
       report("ONNX graph and C++ network", result.graph);

@@ -14,6 +14,16 @@ const std::string& entry(const Metadata& metadata, const std::string& key) {
   return found->second;
 }
 
+/// Text for a cell of a table.
+std::string cell(const nlohmann::json& value) {
+  std::string text;
+  for (const char c : value.is_string() ? value.get<std::string>() : value.dump()) {
+    if (c == '|') text += '\\';
+    text += c;
+  }
+  return text;
+}
+
 /// Rows "key | value"; those of nested objects as "outer.inner".
 void add_rows(std::string& text, const nlohmann::json& json, const std::string& prefix) {
   for (const auto& item : json.items()) {
@@ -21,8 +31,7 @@ void add_rows(std::string& text, const nlohmann::json& json, const std::string& 
     if (item.value().is_object())
       add_rows(text, item.value(), key + ".");
     else
-      text += fmt::format("| {} | {} |\n", key,
-                          item.value().is_string() ? item.value().get<std::string>() : item.value().dump());
+      text += fmt::format("| {} | {} |\n", key, cell(item.value()));
   }
 }
 

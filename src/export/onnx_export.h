@@ -17,9 +17,9 @@ struct OnnxExport {
 /// Writes the network as an ONNX model (export/onnx_network.h) to `out`, atomically, after ONNX's own checker
 /// and shape inference and after both differences were measured on `inputs`: the graph as it was read back,
 /// run node by node (export/onnx_evaluator.h). The metadata holds them. Throws Error when one of the checks
-/// fails; then nothing is left behind.
+/// fails, for the graph by more than `allowed`; then nothing is left behind.
 OnnxExport export_onnx(const ExportSource& source, const std::filesystem::path& out, DType type,
-                       const std::vector<NetworkInput>& inputs);
+                       const std::vector<NetworkInput>& inputs, double allowed = kOnnxTolerance);
 
 /// Writes inputs and the C++ network's outputs for other programs to compare with, as safetensors:
 /// features_0, radiance_0, valid_0, image_0, features_1, ...

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "frame/schema.h"
 #include "models/unet.h"
+#include "weights/checkpoint_files.h"
 #include "weights/weight_file.h"
 
 namespace ld {
@@ -141,7 +142,10 @@ void save_model(const std::filesystem::path& path, const Network& network, const
 }
 
 std::shared_ptr<Network> load_model(const std::filesystem::path& model) {
-  const SafetensorsFile file(resolve_model(model));
+  const std::filesystem::path path = resolve_model(model);
+  if (exists(path.parent_path() / "checksums.json") && path.filename() == kCheckpointFiles[0])
+    verify_checkpoint_file(path.parent_path(), kCheckpointFiles[0]);
+  const SafetensorsFile file(path);
   const NetworkConfig config = read_weights_header(file).network;
   expect_size(file, config);
   const std::shared_ptr<Network> network = make_network(config);

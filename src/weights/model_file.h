@@ -33,7 +33,8 @@ int64_t parameter_count(const NetworkConfig& config);
 
 /// The network with its weights as float32. `model` is a weight file, a checkpoint or a run folder. Throws
 /// Error when a parameter is missing, surplus, of another shape or not finite, and before anything large is
-/// made when the file holds less or more than its network has.
+/// made when the file holds less or more than its network has. Weights in a checkpoint must have the checksum
+/// that is noted beside them.
 std::shared_ptr<Network> load_model(const std::filesystem::path& model);
 
 }  // namespace ld

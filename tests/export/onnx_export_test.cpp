@@ -138,6 +138,13 @@ TEST_F(OnnxExportTest, HalfWeightsHalveTheFile) {
   EXPECT_LT(small, whole - 20000);
 }
 
+TEST_F(OnnxExportTest, MoreThanTheAllowedDifferenceLeavesNothing) {
+  source_ = {small_network(small_config(), torch::kFloat32), ""};
+  EXPECT_ERROR(export_onnx(source_, path(), DType::f32, parity_inputs(small_config(), {}), 1e-12),
+               "computes something else than the network");
+  EXPECT_FALSE(exists(path()));
+}
+
 TEST_F(OnnxExportTest, DamagedModelsAreRefusedInOneLine) {
   exported(small_config());
   const std::string bytes = read_file(path());

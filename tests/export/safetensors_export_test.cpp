@@ -5,9 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file_io.h"
+#include "export/model_card.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
+#include "weights/checkpoint_files.h"
 #include "weights/model_file.h"
 #include "weights/weight_file.h"
 
@@ -64,6 +66,33 @@ TEST_F(SafetensorsExport, MissingModelsAreErrorsAndLeaveNothing) {
   EXPECT_ERROR(untrained_source(folder_ / "c.yaml", 1), "no section 'network'");
   write_file_atomically(folder_ / "c.yaml", "network: {features: auto}\n");
   EXPECT_ERROR(untrained_source(folder_ / "c.yaml", 1), "name the features");
+}
+
+TEST_F(SafetensorsExport, AFlippedBitInACheckpointIsNamed) {
+  const std::filesystem::path checkpoint = folder_ / "run/checkpoints/step_1";
+  make_folder(checkpoint);
+  save_model(checkpoint / "weights.safetensors", *source_.network, "", DType::f32);
+  for (const char* other : {"optimizer.safetensors", "state.json"})
+    write_file_atomically(checkpoint / other, "x");
+  write_checkpoint_checksums(checkpoint);
+  EXPECT_NO_THROW(load_source(checkpoint));
+  std::string bytes = read_file(checkpoint / "weights.safetensors");
+  bytes[bytes.size() - 3] ^= 1;
+  write_file_atomically(checkpoint / "weights.safetensors", bytes);
+  EXPECT_ERROR(load_source(checkpoint), "weights.safetensors: checksum ");
+}
+
+TEST(ModelCard, HoldsWhatTheFileHolds) {
+  const ExportSource source = {small_network(small_config(), torch::kFloat32), R"({"steps": 3})"};
+  Parity half;
+  half.largest_relative_difference = 0.002;
+  const std::string card =
+      model_card("denoiser.safetensors", export_metadata(source, DType::f16, half, nullptr, 3));
+  EXPECT_EQ(card.rfind("# denoiser.safetensors\n", 0), 0U);
+  for (const char* part : {"- radiance 3 tone_map\n", "| steps | 3 |", "| dtype | f16 |", "\\|a - b\\|",
+                           "| rounded_weights.largest_relative_difference | 0.002 |", "name: layer"})
+    EXPECT_NE(card.find(part), std::string::npos) << part << " in\n" << card;
+  EXPECT_ERROR(model_card("x", {}), "'features'");
 }
 
 TEST(ParameterCount, IsThatOfEveryNetwork) {
