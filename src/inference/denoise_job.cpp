@@ -1,6 +1,7 @@
 #include "inference/denoise_job.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,6 +20,17 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int64_t kSteps = 100;  // of the progress of one frame
+
+/// The most memory that the process has had so far.
+int64_t peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss >> 10;
+}
+
+int64_t megabytes(const Frame& frame) {
+  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size()) >> 20;
+}
 
 /// A part of the colour and, where it is not empty, a further plane.
 PicturePart layer_part(const std::string& name, const Image& colour, const Image& further,
@@ -51,14 +63,18 @@ class Run {
     const std::string name = task.inputs[0].string();
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
-    spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s: {}", name, frame.width, frame.height, frame.spp,
-                 seconds, task.output.string());
+    const int64_t peak = peak_megabytes(), samples = megabytes(frame);
+    spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
+                 name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
+                 task.output.string());
     return {{"input", name},
             {"output", task.output.string()},
             {"width", frame.width},
             {"height", frame.height},
             {"spp", frame.spp},
             {"seconds", seconds},
+            {"peak_memory_mb", peak},
+            {"input_memory_mb", samples},
             {"masked_samples", input.faults.not_finite},
             {"negative_values", input.faults.negative}};
   }

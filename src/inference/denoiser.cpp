@@ -24,8 +24,8 @@ int64_t resident_bytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-int64_t frame_bytes(int width, int height, int spp) {
-  return int64_t{width} * height * spp * (kSampleChannels * int64_t(sizeof(float)) + 1);
+int64_t frame_bytes(const Frame& frame) {
+  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size());
 }
 
 int64_t megabytes(int64_t bytes) {
@@ -41,8 +41,7 @@ int64_t needed(const Network& network, int64_t base, int64_t strip, int width, i
 
 /// The largest strips that the budget allows.
 int64_t strip_for(const Network& network, int64_t budget, const Frame& frame) {
-  const int64_t base =
-      std::max<int64_t>(resident_bytes() - frame_bytes(frame.width, frame.height, frame.spp), 0);
+  const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0);
   int64_t strip = kLargestStrip;
   while (needed(network, base, strip, frame.width, frame.height, frame.spp) > budget) {
     if (strip <= kSmallestStrip)
