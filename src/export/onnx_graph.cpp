@@ -199,8 +199,8 @@ Value OnnxGraph::reduce_sum(const Value& x, const std::vector<int64_t>& axes, bo
   return op("ReduceSum", {x, whole(axes)}, {{"keepdims", int64_t(keep)}});
 }
 
-Value OnnxGraph::reduce_max(const Value& x, const std::vector<int64_t>& axes, bool keep) {
-  return op("ReduceMax", {x}, {{"axes", axes}, {"keepdims", int64_t(keep)}});
+Value OnnxGraph::reduce_max(const Value& x, const std::vector<int64_t>& axes) {
+  return op("ReduceMax", {x}, {{"axes", axes}, {"keepdims", int64_t{1}}});
 }
 
 Value OnnxGraph::top(const Value& exponents, const std::vector<int64_t>& axes) {

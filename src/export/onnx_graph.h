@@ -90,9 +90,9 @@ class OnnxGraph {
   /// So many entries before and after those of each axis, of this value.
   Value pad(const Value& x, const std::vector<Dim>& before, const std::vector<Dim>& after, float value);
 
-  // Reductions; the axes stay, with size 1, where `keep` says so.
+  // Reductions; the axes stay, with size 1, unless `keep` is false.
   Value reduce_sum(const Value& x, const std::vector<int64_t>& axes, bool keep = true);
-  Value reduce_max(const Value& x, const std::vector<int64_t>& axes, bool keep = true);
+  Value reduce_max(const Value& x, const std::vector<int64_t>& axes);
   /// What exponents are compared with: the largest of them along the axes, which stay; a number below all
   /// finite ones in place of -inf, because -inf - -inf is NaN.
   Value top(const Value& exponents, const std::vector<int64_t>& axes);
