@@ -1,9 +1,15 @@
 #include "training/run_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <sstream>
 
 #include "core/error.h"
@@ -19,6 +25,22 @@ std::string fixed_configuration(TrainConfig config) {
   config.data.batch = DataConfig{}.batch;
   config.optimizer.accumulate = OptimizerConfig{}.accumulate;
   return config_to_yaml(config);
+}
+
+RunLock::RunLock(const std::filesystem::path& run) {
+  make_folder(run);
+  descriptor_ = open((run / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  const int why = errno;
+  if (descriptor_ >= 0) close(descriptor_);
+  if (why == EWOULDBLOCK)
+    fail("{}: another ld_train is training into this run folder; wait for it or choose another --out",
+         run.string());
+  fail("cannot lock {}: {}", (run / ".lock").string(), std::strerror(why));
+}
+
+RunLock::~RunLock() {
+  close(descriptor_);
 }
 
 void claim_run_folder(const std::filesystem::path& run, const TrainConfig& config) {

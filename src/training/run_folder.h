@@ -13,6 +13,20 @@ namespace ld {
 /// compared with the checkpoint.
 std::string fixed_configuration(TrainConfig config);
 
+/// While one lives, no other process trains into that run folder. A process that dies, however, lets go of
+/// it.
+class RunLock {
+ public:
+  /// Makes the folder. Throws Error when another process holds it.
+  explicit RunLock(const std::filesystem::path& run);
+  ~RunLock();
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
 /// Writes the resolved configuration to RUN/config.yaml. Where there is one already, it must agree in
 /// fixed_configuration(); UsageError names the first line that differs.
 void claim_run_folder(const std::filesystem::path& run, const TrainConfig& config);

@@ -16,6 +16,7 @@
 #include "training/config.h"
 #include "training/optimizer.h"
 #include "training/process_group.h"
+#include "training/run_folder.h"
 #include "training/run_log.h"
 #include "training/training_state.h"
 #include "training/validation.h"
@@ -32,7 +33,8 @@ class Trainer {
  public:
   /// Makes the run folder, or continues the run that it holds from its newest whole checkpoint. Throws
   /// UsageError when the folder holds another configuration (training/run_folder.h) or the configuration does
-  /// not fit the data; Error for bad data and when no checkpoint is whole.
+  /// not fit the data; Error for bad data, when no checkpoint is whole, and when another process trains into
+  /// the folder.
   Trainer(TrainConfig config, std::filesystem::path run, const TrainerOptions& options = {});
 
   /// Trains to the last step, until the time is up, or until SIGINT or SIGTERM; a checkpoint is written in
@@ -77,7 +79,8 @@ class Trainer {
   Loss loss_;
   std::shared_ptr<Network> network_;
   Optimizer optimizer_;
-  std::optional<RunLog> log_;  // of rank 0
+  std::optional<RunLock> lock_;  // of rank 0
+  std::optional<RunLog> log_;    // of rank 0
   TrainingState state_;
   TrainingState before_skips_;  // where the steps that are being skipped in a row began
   TrainingState saved_;         // as the newest checkpoint holds it

@@ -95,6 +95,15 @@ TEST_F(TrainerTest, ARunFolderHoldsOneConfiguration) {
   EXPECT_EQ(last_checkpoint(folder_ / "run"), before);
 }
 
+TEST_F(TrainerTest, ARunFolderIsTrainedIntoByOneAtATime) {
+  const TrainConfig config = tiny_config(folder_ / "data", 10);
+  Trainer first(config, folder_ / "run");
+  EXPECT_ERROR(Trainer(config, folder_ / "run"), "another ld_train is training into this run folder");
+  first.train();
+  Trainer second(config, folder_ / "run");
+  EXPECT_EQ(second.state().step, 10);
+}
+
 TEST_F(TrainerTest, ABatchMayBeDividedAnew) {
   train("run", 10);
   TrainConfig other = tiny_config(folder_ / "data", 20);
