@@ -88,6 +88,7 @@ void Trainer::train() {
   }
   if (saved_.step != state_.step) save_at_end();
   group_.barrier("ending");
+  lock_.reset();
 }
 
 void Trainer::run_steps() {
