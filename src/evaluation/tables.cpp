@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/text_table.h"
@@ -65,14 +64,14 @@ std::vector<double> means(const MethodScores& method) {
   return values;
 }
 
-/// One end of the intervals of all metrics; NaN where there is none.
-std::vector<double> interval_ends(const MethodScores& method, double Interval::*end) {
-  std::vector<double> values;
+/// One end of the intervals of all metrics; empty cells where there is none.
+std::string interval_row(const MethodScores& method, const std::string& name, double Interval::*end) {
+  std::string row = quoted(method.name) + "," + name;
   for (size_t m = 0; m < metrics().size(); ++m) {
     const auto interval = mean_interval(method.values(m));
-    values.push_back(interval ? (*interval).*end : std::numeric_limits<double>::quiet_NaN());
+    row += interval ? fmt::format(",{}", (*interval).*end) : ",";
   }
-  return values;
+  return row + ",,0\n";
 }
 
 std::string range(const std::optional<Interval>& interval, int digits) {
@@ -177,8 +176,8 @@ std::string to_csv(const Evaluation& evaluation) {
     for (const FrameScores& frame : method.frames)
       text += csv_row(method.name, frame.frame, frame.values, frame.seconds, frame.not_finite);
     text += csv_row(method.name, "mean", means(method), method.mean_seconds(), method.not_finite());
-    text += csv_row(method.name, "ci95_low", interval_ends(method, &Interval::low), {}, 0);
-    text += csv_row(method.name, "ci95_high", interval_ends(method, &Interval::high), {}, 0);
+    text += interval_row(method, "ci95_low", &Interval::low);
+    text += interval_row(method, "ci95_high", &Interval::high);
   }
   return text;
 }

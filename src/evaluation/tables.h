@@ -28,7 +28,7 @@ std::string markdown_frames(const Evaluation& evaluation);
 
 /// Header "method,frame,relmse,smape,ssim,psnr,seconds,not_finite", one row for each method and frame and
 /// three named "mean", "ci95_low" and "ci95_high" for each method; RFC 4180 quoting; "nan" and "inf" for
-/// scores that are no numbers, full precision.
+/// scores that are no numbers, empty cells where there is no interval, full precision.
 std::string to_csv(const Evaluation& evaluation);
 
 /// Header "baseline,method,metric,frames,mean_difference,ci95_low,ci95_high,better,worse,equal,p", one row
