@@ -7,7 +7,7 @@
 # DATA is a data set (a folder with manifest.json), OUT receives runs/, tradeoff.md, tradeoff.svg and tradeoff.json. Safe to interrupt and
 # run again: finished runs are skipped, a run that was cut off goes on from its checkpoint. Environment:
 #   STEPS     steps of each training, rounded up to whole epochs (default 600)
-#   VARIANTS  default: all of those below
+#   VARIANTS  default: all of those below; pixel_splat_l2 and optimized_l2 are understood too
 #   JOBS      trainings at a time, one thread each: small networks gain little from a second (default: the CPUs of this process)
 #   BIN       default build/bin
 set -euo pipefail
@@ -18,7 +18,7 @@ if [ $# -ne 2 ]; then
 fi
 data=$1 out=$2 bin=${BIN:-build/bin} steps=${STEPS:-600} jobs=${JOBS:-$(nproc)}
 all="layer layer_weighted layer_3 layer_4 layer_5 optimized pixel_gather pixel_splat sample_splat"
-all="$all layer_l2 pixel_gather_l2 sample_splat_l2 pixel_splat_l2 optimized_l2"
+all="$all layer_l2 pixel_gather_l2 sample_splat_l2"  # those of the paper's Table 5
 variants=${VARIANTS:-$all}
 
 # The arguments of a variant, on top of what all share.

@@ -51,8 +51,9 @@ struct Tradeoff {
 /// metric or nothing to measure. Nothing is returned when a stop was asked for.
 std::optional<Tradeoff> measure_tradeoff(const TradeoffOptions& options);
 
-/// Marks the points that no other beats: none is at least as good in error, time and memory and better in one
-/// of them. `metric` is an index of metrics(). A score that is no number is beaten.
+/// Marks the models that no other model beats: none is at least as good in error, time and memory and better
+/// in one of them. Other programs neither are marked nor beat anybody: they are what models are measured
+/// against. `metric` is an index of metrics(). A score that is no number is beaten.
 void mark_unbeaten(std::vector<TradeoffPoint>& points, size_t metric);
 
 std::string markdown(const Tradeoff& tradeoff);

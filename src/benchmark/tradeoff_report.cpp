@@ -42,9 +42,9 @@ TableRow score_cells(const std::string& name, const std::vector<double>& scores)
 
 void mark_unbeaten(std::vector<TradeoffPoint>& points, size_t metric) {
   for (TradeoffPoint& point : points) {
-    point.unbeaten = std::isfinite(point.scores[metric]);
+    point.unbeaten = !point.other_program && std::isfinite(point.scores[metric]);
     for (const TradeoffPoint& other : points)
-      if (beats(costs(other, metric), costs(point, metric))) point.unbeaten = false;
+      if (!other.other_program && beats(costs(other, metric), costs(point, metric))) point.unbeaten = false;
   }
 }
 
@@ -70,8 +70,9 @@ std::string markdown(const Tradeoff& tradeoff) {
   }
   return markdown_table(table, 1) +
          fmt::format(
-             "\nMeans over {} frames of {}x{} at {} spp ({}, {}); {} threads. Unbeaten: nothing else is at "
-             "least as good in {}, time and memory and better in one.\n",
+             "\nMeans over {} frames of {}x{} at {} spp ({}, {}); {} threads. Unbeaten: no other model is at "
+             "least as good in {}, time and memory and better in one; other programs are the point to "
+             "beat.\n",
              tradeoff.frames, tradeoff.width, tradeoff.height, tradeoff.spp, tradeoff.data, tradeoff.split,
              tradeoff.threads, find_metric(tradeoff.metric).title);
 }
@@ -84,13 +85,13 @@ ScatterPlot figure(const Tradeoff& tradeoff) {
                            tradeoff.frames, tradeoff.width, tradeoff.height, tradeoff.spp);
   plot.y_label = fmt::format("{} ({} is better)", metric.title, metric.lower_is_better ? "lower" : "higher");
   plot.x_labels = {fmt::format("ms a frame, {} threads", tradeoff.threads), "peak memory, MB"};
-  plot.filled_label = "nothing beats it";
-  plot.hollow_label = "something is as good in all three";
+  plot.filled_label = "no other model beats it";
+  plot.hollow_label = "another model beats it in all";
   for (const TradeoffPoint& point : tradeoff.points)
     plot.marks.push_back({point.name,
                           {point.ms, std::max(point.peak_mb, 0.1)},
                           point.scores[index],
-                          point.unbeaten,
+                          point.unbeaten || point.other_program,
                           point.other_program});
   plot.levels = {{"best blur", tradeoff.blur[index]}, {"noisy", tradeoff.noisy[index]}};
   return plot;

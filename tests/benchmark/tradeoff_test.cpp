@@ -45,6 +45,12 @@ TEST(Tradeoff, OnlyWhatIsWorseInSomethingAndBetterInNothingIsBeaten) {
   EXPECT_EQ(unbeaten({point("a", std::nan(""), 1, 1), point("b", 2, 5, 5)}), "b");
 }
 
+TEST(Tradeoff, OtherProgramsAreNotMarkedAndBeatNobody) {
+  TradeoffPoint other = point("o", 0.5, 1, 1);
+  other.other_program = true;
+  EXPECT_EQ(unbeaten({point("a", 1, 10, 10), other}), "a");
+}
+
 TEST(Tradeoff, MoreIsBetterWhereTheMetricSaysSo) {
   const auto psnr = size_t(&find_metric("psnr") - metrics().data());
   EXPECT_EQ(unbeaten({point("a", 30, 10, 10), point("b", 20, 10, 10)}, psnr), "a");
@@ -63,7 +69,7 @@ Tradeoff two_points() {
 TEST(Tradeoff, TheFigureIsWellFormedAndNamesEverything) {
   const std::string svg = to_svg(figure(two_points()));
   EXPECT_EQ(xml_fault(svg), "");
-  for (const char* words : {"a&lt;b", ">c<", "best blur: 0.15", "noisy: 0.9", "nothing beats it"})
+  for (const char* words : {"a&lt;b", ">c<", "best blur: 0.15", "noisy: 0.9", "no other model beats it"})
     EXPECT_NE(svg.find(words), std::string::npos) << words;
 }
 
@@ -117,7 +123,8 @@ TEST_F(TradeoffCommand, MeasuresModelsBesideAnotherProgram) {
   EXPECT_EQ(points[1].at("ms"), 250);
   EXPECT_EQ(points[1].at("peak_mb"), 3.5);
   EXPECT_EQ(points[1].at("scores").at("smape"), 0);  // it is the reference
-  EXPECT_TRUE(points[1].at("unbeaten").get<bool>());
+  EXPECT_TRUE(points[0].at("unbeaten").get<bool>());
+  EXPECT_FALSE(points[1].at("unbeaten").get<bool>());
   EXPECT_EQ(xml_fault(read_file(folder_ / "tradeoff.svg")), "");
   EXPECT_NE(read_file(folder_ / "tradeoff.md").find("| layer"), std::string::npos);
 }
