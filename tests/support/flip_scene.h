@@ -58,7 +58,8 @@ inline Scene flip_scene(const Turn& turn, int size) {
     for (Vec3* axis :
          {&turned.colour.orientation.x, &turned.colour.orientation.y, &turned.colour.orientation.z})
       *axis = turn(*axis);
-    scene.objects.push_back({mesh, static_cast<int>(scene.materials.size()), turn(motion), turn(motion * -1.5F)});
+    scene.objects.push_back(
+        {mesh, static_cast<int>(scene.materials.size()), turn(motion), turn(motion * -1.5F)});
     scene.materials.push_back(turned);
   };
   const auto material = [](MaterialKind kind, Pattern pattern, Vec3 a, Vec3 b, float roughness) {
