@@ -104,6 +104,18 @@ TEST_F(Embed, SamplesThatAreNotFiniteOrNotDrawnCountForNothing) {
   EXPECT_EQ(denoise(), expected);
 }
 
+TEST_F(Embed, AMemoryBoundChangesNoBitAndOneTooSmallIsRefused) {
+  set_all();
+  const std::vector<float> expected = denoise();
+  denoiser_.set_max_memory(20000);
+  EXPECT_EQ(denoise(), expected);
+  denoiser_.set_max_memory(1);
+  std::vector<float> picture(expected.size(), -1);
+  const std::string error = failure(LD_INVALID_ARGUMENT, [&] { denoiser_.denoise(picture.data()); });
+  EXPECT_NE(error.find("MB"), std::string::npos) << error;
+  EXPECT_EQ(picture, std::vector<float>(picture.size(), -1));
+}
+
 TEST_F(Embed, AMissingFeatureIsNamed) {
   denoiser_.set_feature("radiance", buffers_[0].data());
   const std::string error = failure(LD_INVALID_ARGUMENT, [&] { denoise(); });

@@ -33,8 +33,9 @@ typedef struct LdDenoiser LdDenoiser;
 
 typedef enum LdStatus {
   LD_OK = 0,
-  LD_INVALID_ARGUMENT = 1, /* the caller's mistake: an unknown feature, a missing buffer, a size of 0 */
-  LD_FAILED = 2,           /* a missing or damaged weight file, a budget that is too small, no memory */
+  LD_INVALID_ARGUMENT = 1, /* the caller's mistake: an unknown feature, a missing buffer, a size of 0, too
+                              small a memory bound */
+  LD_FAILED = 2,           /* a missing or damaged weight file, no memory */
   LD_CANCELLED = 3         /* the progress function asked to stop; the output was not touched */
 } LdStatus;
 
@@ -83,8 +84,9 @@ LD_API LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const flo
 /* Which samples were drawn, [spp][height][width], 0 for no; NULL (the default): all. */
 LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
 
-/* Bounds the memory beyond buffers and weights, in MB of 10^6 bytes; 0 (the default): no bound. The picture
- * is the same within 1e-5. A bound that is too small makes ld_denoise() fail and name the smallest one. */
+/* Bounds what the whole process takes while ld_denoise() runs, the samples' copy aside, in MB of 10^6 bytes:
+ * program, libraries and your own memory count. 0 (the default): no bound. The picture is the same within
+ * 1e-5. A bound that is too small makes ld_denoise() fail and name the smallest one. */
 LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
 
 /* NULL (the default): none. */
