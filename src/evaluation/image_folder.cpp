@@ -28,15 +28,7 @@ Image read_picture(const fs::path& path, int width, int height) {
   if (exr.width(0) != width || exr.height(0) != height)
     fail("{} is {}x{}, the frame {}x{}; denoise the frame at its own size", path.string(), exr.width(0),
          exr.height(0), width, height);
-  Image image(width, height, 3);
-  std::vector<ExrPlane> planes;
-  for (int c = 0; c < 3; ++c) {
-    const std::string channel(1, "RGB"[c]);
-    exr.require_channel(0, channel, "expected R, G and B in the first part; write the picture there");
-    planes.push_back({channel, image.plane(c)});
-  }
-  exr.read(0, planes);
-  return image;
+  return read_rgb(exr);
 }
 
 std::map<std::string, double> read_seconds(const fs::path& path) {

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "frame/frame.h"
+
 namespace ld {
 
 /// A channel and where its data window's pixels go, row by row.
@@ -62,5 +64,8 @@ class ExrReader {
   std::string path_;
   std::unique_ptr<Imf::MultiPartInputFile> file_;
 };
+
+/// R, G, B of the first part as they stand there. Throws Error when one is missing or the file is damaged.
+Image read_rgb(const ExrReader& exr);
 
 }  // namespace ld

@@ -5,8 +5,7 @@
 
 namespace ld {
 
-Image read_image(const std::filesystem::path& path, int64_t* bad_pixels) {
-  const ExrReader exr(path);
+Image read_rgb(const ExrReader& exr) {
   Image image(exr.width(0), exr.height(0), 3);
   std::vector<ExrPlane> planes;
   for (int c = 0; c < 3; ++c) {
@@ -15,6 +14,11 @@ Image read_image(const std::filesystem::path& path, int64_t* bad_pixels) {
     planes.push_back({channel, image.plane(c)});
   }
   exr.read(0, planes);
+  return image;
+}
+
+Image read_image(const std::filesystem::path& path, int64_t* bad_pixels) {
+  Image image = read_rgb(ExrReader(path));
   int64_t bad = 0;
   for (float& value : image.pixels) {
     if (std::isfinite(value) && value >= 0) continue;
