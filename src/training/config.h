@@ -52,25 +52,45 @@ struct DataConfig {
   }
 };
 
-struct OptimizerConfig {         // Adam (Kingma and Ba 2015)
-  double learning_rate = 0.005;  // the highest of the schedule
-  double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;
-  std::string schedule = "constant";  // training/schedule.h
-  int64_t step_epochs = 100;          // schedule "step": after so many epochs ...
-  double step_factor = 0.5;           // ... times this
-  int64_t warmup_steps = 0;           // the rate rises linearly over so many steps
-  double clip_norm = 0;               // largest norm of all gradients together; 0: no limit
-  double clip_value = 0;              // largest absolute gradient; 0: no limit
-  int64_t accumulate = 1;  // batches a step: their gradients are averaged, in the memory that one takes
-  double ema = 0;          // decay of the averaged weights (training/weight_average.h); 0: none
+/// Schedule "one_cycle" (training/schedule.h).
+struct OneCycleConfig {
+  double rise = 0.3;    // share of the steps until the peak
+  double start = 0.04;  // the first rate, as a fraction of the peak's
+  double end = 4e-6;    // the last one
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v.field("rise", rise, Range{0, 1});
+    v.field("start", start, Range{1e-9, 1});
+    v.field("end", end, Range{0, 1});
+  }
+};
+
+struct OptimizerConfig {
+  std::string name = "adam";     // Adam (Kingma and Ba 2015), or adamw (Loshchilov and Hutter 2019)
+  double weight_decay = 0;       // of adamw: a step takes this times the rate of the weights away
+  double learning_rate = 0.005;  // the highest of the schedule
+  double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;
+  std::string schedule = "constant";  // training/schedule.h
+  OneCycleConfig one_cycle;
+  int64_t step_epochs = 100;  // schedule "step": after so many epochs ...
+  double step_factor = 0.5;   // ... times this
+  int64_t warmup_steps = 0;   // the rate rises linearly over so many steps
+  double clip_norm = 0;       // largest norm of all gradients together; 0: no limit
+  double clip_value = 0;      // largest absolute gradient; 0: no limit
+  int64_t accumulate = 1;     // batches a step: their gradients are averaged, in the memory that one takes
+  double ema = 0;             // decay of the averaged weights (training/weight_average.h); 0: none
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("name", name, {"adam", "adamw"});
+    v.field("weight_decay", weight_decay, Range{0, 1});
     v.field("learning_rate", learning_rate, Range{0, 10});
     v.field("beta1", beta1, Range{0, 0.999999});
     v.field("beta2", beta2, Range{0, 0.999999});
     v.field("epsilon", epsilon, Range{1e-30, 1});  // at 0, Adam divides 0 by 0
     v.field("schedule", schedule, {"constant", "step", "cosine", "one_cycle"});
+    v.section("one_cycle", one_cycle);
     v.field("step_epochs", step_epochs, at_least(1));
     v.field("step_factor", step_factor, Range{0, 1});
     v.field("warmup_steps", warmup_steps, at_least(0));

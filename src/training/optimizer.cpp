@@ -46,6 +46,7 @@ Optimizer::Outcome Optimizer::step(TrainingSet& set, int64_t step, const Loss& l
       std::isfinite(outcome.loss) && std::isfinite(outcome.gradient) && limit_gradient() < kLargestGradient;
   if (outcome.taken) {
     static_cast<torch::optim::AdamOptions&>(adam_.param_groups()[0].options()).lr(rate);
+    decay_weights(rate);
     adam_.step();
     average_.update(n);
   }
@@ -93,6 +94,15 @@ double Optimizer::limit_gradient() {
     if (parameter.grad().defined() && parameter.numel() > 0)
       largest = std::max(largest, parameter.grad().abs().max().item<double>());
   return largest;
+}
+
+/// AdamW (Loshchilov and Hutter 2019, algorithm 2): the decay is apart from gradient and moments, so that
+/// what is left is Adam, its state included. It pulls on weights alone: a bias sets no scale.
+void Optimizer::decay_weights(double rate) {
+  if (config_.weight_decay == 0) return;
+  const torch::NoGradGuard no_graph;
+  for (torch::Tensor& parameter : network_->parameters())
+    if (parameter.dim() >= 2 && parameter.grad().defined()) parameter.mul_(1 - rate * config_.weight_decay);
 }
 
 }  // namespace ld

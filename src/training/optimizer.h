@@ -1,5 +1,5 @@
-// One step of the training: gradient of the mean loss over the step's batches, limits, Adam, averaged
-// weights.
+// One step of the training: gradient of the mean loss over the step's batches, limits, Adam or AdamW,
+// averaged weights.
 #pragma once
 
 #include <torch/torch.h>
@@ -38,6 +38,7 @@ class Optimizer {
   double accumulate(TrainingSet& set, int64_t step, const Loss& loss);
   double add_up(double loss, ProcessGroup& group);
   double limit_gradient();
+  void decay_weights(double rate);
 
   std::shared_ptr<Network> network_;
   OptimizerConfig config_;

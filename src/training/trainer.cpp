@@ -23,7 +23,7 @@ double seconds_since(Clock::time_point start) {
 
 /// The configuration with its features, the same on all processes.
 TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, ProcessGroup& group) {
-  check_schedule(config.optimizer);
+  check_optimizer(config.optimizer);
   if (group.size() > 1) {
     TrainConfig comparable = config;
     comparable.data.path.clear();  // where each machine has the data is its own business

@@ -74,6 +74,12 @@ INSTANTIATE_TEST_SUITE_P(
                              c.optimizer.clip_value = 0.05;
                              c.optimizer.ema = 0.99;
                            }},
+                      Mode{"adamw_ema",
+                           [](TrainConfig& c) {
+                             c.optimizer.name = "adamw";
+                             c.optimizer.weight_decay = 0.1;
+                             c.optimizer.ema = 0.9;
+                           }},
                       Mode{"no_rows_at_the_cut", [](TrainConfig& c) { c.run.log_every = 7; }}),
     [](const auto& mode) { return mode.param.name; });
 

@@ -63,6 +63,51 @@ TEST(Schedule, OneCycleIsPyTorchs) {
     }
 }
 
+TEST(Schedule, OneCycleHasBoundsOfItsOwn) {
+  OptimizerConfig config = schedule("one_cycle");
+  config.one_cycle = {0.5, 0.2, 0.01};
+  EXPECT_NEAR(learning_rate(config, 0, 0, 101), 0.2, 1e-12);
+  EXPECT_NEAR(learning_rate(config, 49, 0, 101), 1, 1e-3);  // the peak is at 49.5
+  EXPECT_LT(learning_rate(config, 51, 0, 101), 1);
+  EXPECT_NEAR(learning_rate(config, 100, 0, 101), 0.01, 1e-12);
+  config.one_cycle = {0, 1, 0};  // no rise, down to nothing
+  EXPECT_EQ(learning_rate(config, 0, 0, 101), 1);
+  EXPECT_EQ(learning_rate(config, 100, 0, 101), 0);
+  config.one_cycle = {1, 1e-9, 1};  // a rise alone
+  EXPECT_NEAR(learning_rate(config, 0, 0, 101), 1e-9, 1e-12);
+  EXPECT_EQ(learning_rate(config, 100, 0, 101), 1);
+  for (int64_t total = 1; total < 8; ++total)
+    for (int64_t step = 0; step < total; ++step) {
+      const double rate = learning_rate(config, step, 0, total);
+      EXPECT_TRUE(rate > 0 && rate <= 1) << step << " of " << total << ": " << rate;
+    }
+}
+
+TEST(Schedule, OneCyclesDefaultsAreTheBitsOfPyTorchsDivisors) {
+  const auto along = [](double from, double to, double progress) {
+    return to + 0.5 * (from - to) * (1 + std::cos(3.14159265358979 * progress));
+  };
+  for (const double highest : {0.005, 0.003, 0.002, 1e-3, 7e-4, 0.1, 1.0 / 3, 10.0}) {
+    OptimizerConfig config = schedule("one_cycle");
+    config.learning_rate = highest;
+    const double first = highest / 25, last = first / 1e4;  // div_factor, final_div_factor
+    for (int64_t step = 0; step < 1000; ++step) {
+      const auto now = static_cast<double>(step);
+      EXPECT_EQ(learning_rate(config, step, 0, 1000),
+                step < 299 ? along(first, highest, now / 299) : along(highest, last, (now - 299) / 700))
+          << highest << " " << step;
+    }
+  }
+}
+
+TEST(Optimizer, OnlyAdamwDecaysWeights) {
+  OptimizerConfig config;
+  config.weight_decay = 0.01;
+  EXPECT_ERROR(check_optimizer(config), "set optimizer.name=adamw");
+  config.name = "adamw";
+  EXPECT_NO_THROW(check_optimizer(config));
+}
+
 TEST(Schedule, WarmUp) {
   OptimizerConfig config = schedule("cosine");
   config.warmup_steps = 4;
@@ -70,9 +115,9 @@ TEST(Schedule, WarmUp) {
   EXPECT_NEAR(learning_rate(config, 2, 0, 1000000), 0.75, 1e-6);
   EXPECT_NEAR(learning_rate(config, 4, 0, 1000000), 1, 1e-6);
   config.schedule = "one_cycle";
-  EXPECT_ERROR(check_schedule(config), "a rise of its own");
+  EXPECT_ERROR(check_optimizer(config), "a rise of its own");
   config.warmup_steps = 0;
-  EXPECT_NO_THROW(check_schedule(config));
+  EXPECT_NO_THROW(check_optimizer(config));
 }
 
 TEST(State, KeepsEveryBit) {

@@ -1,0 +1,47 @@
+#include "training/optimizer.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/training/tiny_training.h"
+#include "training/training_data.h"
+
+namespace ld {
+namespace {
+
+TEST(Optimizer, AdamwIsLibTorchsForWeightsAndAdamForBiases) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "data", 4);
+  TrainConfig config = tiny_config(folder / "data", 10);
+  config.optimizer.name = "adamw";
+  config.optimizer.weight_decay = 0.1;
+  const std::shared_ptr<Network> network = make_network(config.network), other = make_network(config.network);
+  initialise_xavier(*network, 1);
+  copy_parameters(*network, *other);
+  TrainingSet set = make_training_set(config);
+  const Loss loss = make_loss("smape");
+  ProcessGroup alone{ProcessGroupOptions{}};
+  Optimizer ours(network, config.optimizer);
+
+  std::vector<torch::Tensor> weights, biases;
+  for (const torch::Tensor& parameter : other->parameters())
+    (parameter.dim() >= 2 ? weights : biases).push_back(parameter);
+  ASSERT_GE(weights.size(), 3u);
+  ASSERT_GE(biases.size(), 3u);
+  const auto options = [](double decay) { return torch::optim::AdamWOptions(0.02).weight_decay(decay); };
+  torch::optim::AdamW theirs(
+      {torch::optim::OptimizerParamGroup(weights, std::make_unique<torch::optim::AdamWOptions>(options(0.1))),
+       torch::optim::OptimizerParamGroup(biases, std::make_unique<torch::optim::AdamWOptions>(options(0)))},
+      options(0));
+
+  for (int64_t step = 0; step < 5; ++step) {
+    EXPECT_TRUE(ours.step(set, step, loss, 0.02, step + 1, alone).taken);
+    Batch batch = set.batch(step);
+    loss(other->forward(std::move(batch.input)), batch.reference).backward();
+    theirs.step();
+    theirs.zero_grad();
+    EXPECT_TRUE(all_parameters(*network).equal(all_parameters(*other))) << step;
+  }
+}
+
+}  // namespace
+}  // namespace ld
