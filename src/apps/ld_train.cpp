@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
     ld::Trainer trainer(config, run, {group.get(), command, {}});
     trainer.train();
 
+    if (trainer.total_steps() == 0) return;  // stopped before anything began
     const ld::TrainingState& state = trainer.state();
     spdlog::info("{} of {} steps done; best validation loss {:.4f} at step {}; weights in {}/checkpoints",
                  state.step, trainer.total_steps(), state.best_score, state.best_step, run);

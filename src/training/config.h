@@ -101,8 +101,8 @@ struct OptimizerConfig {
   }
 };
 
-/// How a run is watched, where it pauses and what it keeps. These may change between a run and its
-/// continuation; all else may not.
+/// How a run is followed, where it pauses and what it keeps. These may change between a run and its
+/// continuation (but not `minutes`, which has become `steps`); what else may is in training/run_folder.h.
 struct RunConfig {
   int64_t max_steps = 0;           // stop early after so many steps; 0: after the last epoch
   int64_t log_every = 50;          // steps between lines of metrics.csv
@@ -112,6 +112,7 @@ struct RunConfig {
   int64_t keep = 2;                // newest checkpoints kept, besides the best
   int64_t max_skipped = 10;        // so many steps in a row without a finite gradient end the run
   int64_t images = 4;              // validation frames in TensorBoard; 0: none
+  double minutes = 0;  // a new run's schedule has as many steps as there is time for; 0: `epochs` decides
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -123,6 +124,7 @@ struct RunConfig {
     v.field("keep", keep, Range{2, 10000});  // one to fall back on
     v.field("max_skipped", max_skipped, at_least(1));
     v.field("images", images, Range{0, 64});
+    v.field("minutes", minutes, Range{0, 1e7});
   }
 };
 
@@ -131,6 +133,7 @@ struct TrainConfig {
   std::string init;  // weights to begin with: a weight file, checkpoint or run; "": random ones
   std::string loss = "smape";
   int64_t epochs = 1000;  // an epoch has as many crops as the training splits have frames
+  int64_t steps = 0;      // length of the schedule in place of `epochs`; 0: what run.minutes or they say
   NetworkConfig network;
   DataConfig data;
   OptimizerConfig optimizer;
@@ -142,6 +145,7 @@ struct TrainConfig {
     v.field("init", init);
     v.field("loss", loss);
     v.field("epochs", epochs, at_least(1));
+    v.field("steps", steps, at_least(0));
     v.section("network", network);
     v.section("data", data);
     v.section("optimizer", optimizer);

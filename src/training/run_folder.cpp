@@ -18,7 +18,9 @@
 namespace ld {
 
 std::string fixed_configuration(TrainConfig config) {
-  config.run = RunConfig{};
+  RunConfig run;
+  run.minutes = config.run.minutes;
+  config.run = run;
   config.data.cache = DataConfig{}.cache;
   config.data.cache_megabytes = DataConfig{}.cache_megabytes;
   config.data.workers = DataConfig{}.workers;
@@ -61,6 +63,11 @@ void claim_run_folder(const std::filesystem::path& run, const TrainConfig& confi
     }
   }
   write_file_atomically(path, config_to_yaml(config));
+}
+
+int64_t stored_steps(const std::filesystem::path& run) {
+  const std::filesystem::path path = run / "config.yaml";
+  return std::filesystem::exists(path) ? config_from_tree<TrainConfig>(read_config(path)).steps : 0;
 }
 
 std::string shell_word(const std::string& argument) {

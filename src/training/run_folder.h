@@ -8,9 +8,9 @@
 
 namespace ld {
 
-/// What may not change when a run continues, as YAML: everything but the `run:` section, what only costs time
-/// or memory, and how the crops of a step are divided (data.batch, optimizer.accumulate), whose product is
-/// compared with the checkpoint.
+/// What may not change when a run continues, as YAML: everything but the `run:` section (of which `minutes`
+/// stays), what only costs time or memory, and how the crops of a step are divided (data.batch,
+/// optimizer.accumulate), whose product is compared with the checkpoint.
 std::string fixed_configuration(TrainConfig config);
 
 /// While one lives, no other process trains into that run folder. A process that dies, however, lets go of
@@ -30,6 +30,9 @@ class RunLock {
 /// Writes the resolved configuration to RUN/config.yaml. Where there is one already, it must agree in
 /// fixed_configuration(); UsageError names the first line that differs.
 void claim_run_folder(const std::filesystem::path& run, const TrainConfig& config);
+
+/// Steps of the schedule that the folder's configuration names; 0 when there is none or it names none.
+int64_t stored_steps(const std::filesystem::path& run);
 
 /// What made a run, besides its configuration.
 struct RunOrigin {

@@ -48,10 +48,6 @@ std::shared_ptr<Network> make_initial_network(const TrainConfig& config, bool ne
   return network;
 }
 
-int64_t steps_of(const TrainConfig& config, int64_t batches_per_epoch) {
-  return std::max<int64_t>(config.epochs * batches_per_epoch / config.optimizer.accumulate, 1);
-}
-
 }  // namespace
 
 Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOptions& options)
@@ -65,12 +61,14 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
       checkpoints_(run_, config_.run.keep),
       loss_(options.loss ? options.loss : make_loss(config_.loss)),
       network_(make_initial_network(config_, group_.is_root() && !checkpoints_.begun())),
-      optimizer_(network_, config_.optimizer),
-      total_steps_(steps_of(config_, training_set_.steps_per_epoch())),
-      last_step_(config_.run.max_steps > 0 ? std::min(config_.run.max_steps, total_steps_) : total_steps_) {
+      optimizer_(network_, config_.optimizer) {
   state_.dataset = manifests_checksum(config_.data);
   state_.crops_per_step = config_.data.batch * config_.optimizer.accumulate;
+  if (group_.is_root()) lock_.emplace(run_);
+  const std::optional<Pace> pace = settle_steps();
+  if (total_steps_ == 0) return;  // stopped meanwhile: nothing has begun
   if (group_.is_root()) open_run(options.command);
+  if (group_.is_root() && pace) spdlog::info("{}", pace_text(*pace, config_.run.minutes, total_steps_));
   resume();
   if (group_.is_root()) log_.emplace(run_, state_.validation_due ? state_.step - 1 : state_.step);
 }

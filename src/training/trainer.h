@@ -15,6 +15,7 @@
 #include "training/checkpoint_folder.h"
 #include "training/config.h"
 #include "training/optimizer.h"
+#include "training/pace.h"
 #include "training/process_group.h"
 #include "training/run_folder.h"
 #include "training/run_log.h"
@@ -43,12 +44,17 @@ class Trainer {
   void train();
 
   const TrainingState& state() const { return state_; }
+  /// Of the schedule; 0 when a signal came while run.minutes was turned into steps: then there is no run.
   int64_t total_steps() const { return total_steps_; }
   /// The network that is trained, and the averaged one that validates (the same without optimizer.ema).
   const Network& network() const { return *network_; }
   const Network& averaged_network() const { return optimizer_.average().network(); }
 
  private:
+  std::optional<Pace> settle_steps();
+  Pace measure_pace();
+  double time_validation(Network& network, double limit);
+  double time_checkpoint(const Network& network, Optimizer& optimizer);
   void open_run(const std::string& command);
   void resume();
   void check_best();
@@ -85,7 +91,7 @@ class Trainer {
   TrainingState before_skips_;  // where the steps that are being skipped in a row began
   TrainingState saved_;         // as the newest checkpoint holds it
   bool best_unsaved_ = false;   // the weights as they are have the best score, and no checkpoint holds them
-  int64_t total_steps_, last_step_;
+  int64_t total_steps_ = 0, last_step_ = 0;
   int64_t timed_steps_ = 0;  // since timed_since_
   std::chrono::steady_clock::time_point timed_since_;
 };

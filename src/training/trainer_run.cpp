@@ -32,7 +32,6 @@ int64_t parameter_count(const Network& network) {
 
 /// On rank 0, once nothing in the configuration is wrong.
 void Trainer::open_run(const std::string& command) {
-  lock_.emplace(run_);
   claim_run_folder(run_, config_);
   add_log_file(run_ / "train.log");
   RunOrigin origin;

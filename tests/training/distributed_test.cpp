@@ -141,6 +141,24 @@ TEST_F(Distributed, ANanOnOneRankIsSkippedByAll) {
   EXPECT_TRUE(weights[0].equal(weights[1]));
 }
 
+TEST_F(Distributed, RankZeroSaysHowManyStepsThereIsTimeFor) {
+  TrainConfig settings = config(6);
+  settings.run.minutes = 0.05;
+  std::vector<int64_t> steps(2);
+  for (int start = 0; start < 2; ++start) {  // the second one continues
+    settings.run.max_steps += start;
+    run_ranks(2, [&](std::unique_ptr<ProcessGroup> group) {
+      Trainer trainer(settings, folder_ / (group->is_root() ? "run" : "elsewhere"), {group.get(), "", {}});
+      int64_t& own = steps[static_cast<size_t>(group->rank())];
+      if (start == 1) EXPECT_EQ(trainer.total_steps(), own);
+      own = trainer.total_steps();
+      trainer.train();
+    });
+    EXPECT_GT(steps[0], 6);
+    EXPECT_EQ(steps[0], steps[1]);
+  }
+}
+
 TEST_F(Distributed, DifferentConfigurationsAreRefusedByAll) {
   run_ranks(2, [&](std::unique_ptr<ProcessGroup> group) {
     TrainConfig other = config(8);

@@ -10,6 +10,7 @@
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 #include "training/event_log.h"
+#include "training/pace.h"
 #include "training/run_folder.h"
 #include "training/schedule.h"
 #include "training/training_state.h"
@@ -118,6 +119,38 @@ TEST(Schedule, WarmUp) {
   EXPECT_ERROR(check_optimizer(config), "a rise of its own");
   config.warmup_steps = 0;
   EXPECT_NO_THROW(check_optimizer(config));
+}
+
+TEST(Pace, AsManyStepsAsThereIsTimeFor) {
+  Pace pace;
+  pace.step = 0.5;
+  EXPECT_EQ(steps_within(pace, 100), 200);
+  EXPECT_EQ(steps_within(pace, 99.9), 199);
+  EXPECT_EQ(steps_within(pace, 0), 1);
+  EXPECT_EQ(steps_within(pace, -5), 1);
+  pace.first_step = 2;
+  pace.first_steps = 10;
+  EXPECT_EQ(steps_within(pace, 100), 10 + 160);
+  EXPECT_EQ(steps_within(pace, 10), 5);
+  pace.validation = 3;
+  pace.validate_every = 40;
+  pace.checkpoint = 1;
+  pace.checkpoint_every = 20;
+  EXPECT_EQ(seconds_of(pace, 40), 20 + 15 + 3 + 2);  // a validation is saved with the checkpoint of its step
+  pace.checkpoint_every = 30;
+  EXPECT_EQ(seconds_of(pace, 40), 20 + 15 + 3 + 2 + 1);
+  for (const double seconds : {50.0, 777.0, 86400.0}) {
+    const int64_t steps = steps_within(pace, seconds);
+    EXPECT_LE(seconds_of(pace, steps), seconds);
+    EXPECT_GT(seconds_of(pace, steps + 1), seconds);
+  }
+}
+
+TEST(Pace, WhatHappensOnceDoesNotCount) {
+  EXPECT_EQ(typical({0.5}), 0.5);
+  EXPECT_EQ(typical({1, 3}), 2);
+  EXPECT_EQ(typical({0.5, 0.5, 90, 0.5, 0.5, 0.5, 0.5, 0.5}), 0.5);
+  EXPECT_EQ(typical({0, 2, 0, 2, 0, 2, 0, 2}), 1);  // two workers deliver together
 }
 
 TEST(State, KeepsEveryBit) {

@@ -4,7 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "core/log.h"
 #include "tests/support/expect_error.h"
@@ -174,6 +176,69 @@ TEST_F(TrainerTest, TheTimeBudgetStopsAndSaves) {
   EXPECT_LT(trainer.state().step, trainer.total_steps());
   Trainer again(config, folder_ / "run");
   EXPECT_EQ(again.state().step, trainer.state().step);
+}
+
+TEST_F(TrainerTest, TheScheduleEndsWhenTheTimeDoes) {
+  TrainConfig config = tiny_config(folder_ / "data", 0);
+  config.run.minutes = 0.1;
+  config.run.validate_every = config.run.checkpoint_every = 100;
+  const auto start = std::chrono::steady_clock::now();
+  Trainer trainer(config, folder_ / "run");
+  const int64_t steps = trainer.total_steps();
+  EXPECT_GT(steps, 10);
+  trainer.train();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_GT(seconds, 1.5);  // 6, on a machine that does nothing else
+  EXPECT_LT(seconds, 24);
+  EXPECT_EQ(trainer.state().step, steps);
+  EXPECT_NE(read_file(folder_ / "run/config.yaml").find("\nsteps: " + std::to_string(steps) + "\n"),
+            std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "run/run.json")).at("total_steps"), steps);
+}
+
+TEST_F(TrainerTest, TheNumberOfStepsIsMeasuredOnce) {
+  TrainConfig config = tiny_config(folder_ / "data", 10);
+  config.optimizer.schedule = "one_cycle";
+  config.run.minutes = 0.05;
+  int64_t steps = 0;
+  {
+    Trainer killed_before_the_first_step(config, folder_ / "halves");
+    steps = killed_before_the_first_step.total_steps();
+  }
+  TrainerOptions slower;
+  slower.loss = [smape = make_loss("smape")](const torch::Tensor& denoised, const torch::Tensor& reference) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return smape(denoised, reference);
+  };
+  Trainer(config, folder_ / "halves").train();
+  config.run.max_steps = 30;
+  Trainer second(config, folder_ / "halves", slower);
+  EXPECT_EQ(second.total_steps(), steps);
+  second.train();
+  // The line of run.json that does the run again reads the stored configuration, and measures nothing.
+  auto stored = config_from_tree<TrainConfig>(read_config(folder_ / "halves/config.yaml"));
+  Trainer straight(stored, folder_ / "straight", slower);
+  EXPECT_EQ(straight.total_steps(), steps);
+  straight.train();
+  EXPECT_EQ(last_checkpoint(folder_ / "straight"), last_checkpoint(folder_ / "halves"));
+  EXPECT_EQ(read_file(folder_ / "straight/metrics.csv"), read_file(folder_ / "halves/metrics.csv"));
+  config.run.minutes = 1;
+  EXPECT_ERROR(Trainer(config, folder_ / "halves"), "there 'minutes: 0.05', here 'minutes: 1'");
+}
+
+TEST_F(TrainerTest, MeasuringTheSpeedLeavesNoTrace) {
+  TrainConfig config = tiny_config(folder_ / "data", 10);
+  config.run.minutes = 0.05;
+  Trainer measured(config, folder_ / "measured");
+  config.run.minutes = 0;
+  config.steps = measured.total_steps();
+  Trainer told(config, folder_ / "told");
+  EXPECT_TRUE(all_parameters(measured.network()).equal(all_parameters(told.network())));
+  measured.train();
+  told.train();
+  EXPECT_EQ(last_checkpoint(folder_ / "measured"), last_checkpoint(folder_ / "told"));
+  EXPECT_EQ(read_file(folder_ / "measured/metrics.csv"), read_file(folder_ / "told/metrics.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "measured/.pace.partial"));
 }
 
 TEST_F(TrainerTest, AveragedWeightsValidateAndAreSaved) {

@@ -60,6 +60,7 @@ void inspect_config(Report& report) {
     report.facts["features"] = config.network.features;
     report.facts["loss"] = config.loss;
     report.facts["epochs"] = config.epochs;
+    if (config.steps > 0) report.facts["steps"] = config.steps;
     report.facts["crop"] = config.data.crop;
     report.facts["batch"] = config.data.batch;
     report.facts["learning_rate"] = config.optimizer.learning_rate;

@@ -1,0 +1,32 @@
+// How many steps there is time for: a run with run.minutes has a schedule that ends when the time does.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace ld {
+
+/// What the parts of a run take, and how often each comes. Seconds.
+struct Pace {
+  double step = 0;        // loading and accumulation included
+  double first_step = 0;  // of the first `first_steps`, whose frames are read for the first time
+  int64_t first_steps = 0;
+  double validation = 0, checkpoint = 0;
+  int64_t validate_every = 1, checkpoint_every = 1;  // steps
+};
+
+/// All steps, validations and checkpoints of a run; each validation may be the best, and is saved then.
+double seconds_of(const Pace& pace, int64_t steps);
+
+/// The most steps that end within so many seconds, at least 1.
+int64_t steps_within(const Pace& pace, double seconds);
+
+/// Mean of the middle half of at least one measurement: neither what happened once beside nor the turns in
+/// which a loader delivers decide.
+double typical(std::vector<double> seconds);
+
+/// One line for people.
+std::string pace_text(const Pace& pace, double minutes, int64_t steps);
+
+}  // namespace ld
