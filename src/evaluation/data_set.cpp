@@ -21,7 +21,8 @@ FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& 
     FramePair pair = read_frame_pair(folder, frames[i], features);
     if (!(*warned)[i]) warn_about_faults(folder, frames[i], pair);
     (*warned)[i] = true;
-    return EvaluationFrame{frames[i].name, std::move(pair.frame), std::move(pair.reference)};
+    return EvaluationFrame{frames[i].name, std::move(pair.frame), std::move(pair.reference),
+                           std::move(pair.floor)};
   };
   return {count, load, std::move(names)};
 }

@@ -62,6 +62,18 @@ Image picture_of(const Method& method, const EvaluationFrame& frame, std::option
   return denoised;
 }
 
+/// The floor of a reference in the order of metrics(); none where it lacks one of them.
+std::optional<FrameScores> floor_of(const EvaluationFrame& frame) {
+  FrameScores scores;
+  scores.frame = frame.name;
+  for (const Metric& metric : metrics()) {
+    const auto score = frame.floor.find(metric.name);
+    if (score == frame.floor.end()) return std::nullopt;
+    scores.values.push_back(score->second);
+  }
+  return scores;
+}
+
 size_t metric_index(const std::string& name) {
   return static_cast<size_t>(&find_metric(name) - metrics().data());
 }
@@ -88,11 +100,18 @@ std::optional<Evaluation> evaluate(const FrameSet& frames, const std::vector<Met
     result.methods[2 + m].cost = methods[m].cost;
   }
 
+  result.floor = MethodScores{"reference's floor", {}, {}};
+
   // Second pass: everything else, one frame in memory at a time.
   Progress progress("evaluating", static_cast<int64_t>(frames.count));
   for (size_t i = 0; i < frames.count; ++i) {
     if (stop_requested()) return std::nullopt;
     const EvaluationFrame frame = frames.load(i);
+    const std::optional<FrameScores> floor = floor_of(frame);
+    if (floor && result.floor)
+      result.floor->frames.push_back(*floor);
+    else
+      result.floor.reset();
     std::vector<LabelledPicture> pictures;
     pictures.push_back({"noisy", mean_radiance(frame.frame)});
     result.methods[0].frames.push_back(score("noisy", frame.name, pictures[0].image, frame.reference));

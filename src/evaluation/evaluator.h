@@ -14,8 +14,9 @@ namespace ld {
 
 struct EvaluationFrame {
   std::string name;
-  Frame frame;      // sanitised
-  Image reference;  // [3, H, W], linear, of the frame's size
+  Frame frame;                // sanitised
+  Image reference;            // [3, H, W], linear, of the frame's size
+  ReferenceFloor floor = {};  // of the reference
 };
 
 /// Frames that are loaded when they are needed, each twice: once to choose the blur, once to score.
@@ -37,7 +38,8 @@ struct EvaluatorOptions {
   std::function<void(size_t frame, const std::string& name, const std::vector<LabelledPicture>&)> on_pictures;
 };
 
-/// Methods `noisy` and `blur`, then `methods` in their order; Evaluation::data and split stay empty. A
+/// Methods `noisy` and `blur`, then `methods` in their order; the floor where all frames have one;
+/// Evaluation::data and split stay empty. A
 /// picture with NaN or infinite values scores NaN and is warned about. A stop signal ends it after the
 /// current frame: nothing is returned, because half a set's mean would mislead. Throws UsageError for bad
 /// method names; Error for an empty set, a reference or a denoised picture of another size, with the names of

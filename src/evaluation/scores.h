@@ -40,8 +40,9 @@ struct MethodScores {
 struct Evaluation {
   std::string data;  // the folder, for people
   std::string split;
-  std::vector<MethodScores> methods;  // noisy, blur, then the models as given
-  std::string baseline = {};          // what the others are compared with; "": the first model, else noisy
+  std::vector<MethodScores> methods;       // noisy, blur, then the models as given
+  std::optional<MethodScores> floor = {};  // of the references (metrics/floor.h), where all have one
+  std::string baseline = {};  // what the others are compared with; "": the first model, else noisy
 
   /// Throws Error when there is none of that name.
   const MethodScores& method(const std::string& name) const;

@@ -64,6 +64,14 @@ std::vector<double> means(const MethodScores& method) {
   return values;
 }
 
+/// The methods and, below them, the floor.
+std::vector<const MethodScores*> rows_of(const Evaluation& evaluation) {
+  std::vector<const MethodScores*> methods;
+  for (const MethodScores& method : evaluation.methods) methods.push_back(&method);
+  if (evaluation.floor) methods.push_back(&*evaluation.floor);
+  return methods;
+}
+
 /// One end of the intervals of all metrics; empty cells where there is none.
 std::string interval_row(const MethodScores& method, const std::string& name, double Interval::*end) {
   std::string row = quoted(method.name) + "," + name;
@@ -86,10 +94,10 @@ std::string probability(const std::optional<double>& p) {
 
 std::string markdown_means(const Evaluation& evaluation) {
   std::vector<Row> rows = {headings({"method"})};
-  for (const MethodScores& method : evaluation.methods) {
-    Row row = {method.name};
-    for (size_t m = 0; m < metrics().size(); ++m) row.push_back(number(method.mean(m), metrics()[m].digits));
-    row.push_back(seconds(method.mean_seconds()));
+  for (const MethodScores* method : rows_of(evaluation)) {
+    Row row = {method->name};
+    for (size_t m = 0; m < metrics().size(); ++m) row.push_back(number(method->mean(m), metrics()[m].digits));
+    row.push_back(seconds(method->mean_seconds()));
     rows.push_back(row);
   }
   std::string text = markdown_table(rows, 1) + "\n";
@@ -105,16 +113,17 @@ std::string markdown_means(const Evaluation& evaluation) {
           fmt::format("- {}: {} values are NaN or infinite; those frames, and so the mean, have no score\n",
                       method.name, method.not_finite());
   }
+  if (evaluation.floor) text += fmt::format("- {}: {}\n", evaluation.floor->name, floor_text());
   return text;
 }
 
 std::string markdown_intervals(const Evaluation& evaluation) {
   std::vector<Row> rows = {{"method"}};
   for (const Metric& metric : metrics()) rows[0].push_back(metric.title);
-  for (const MethodScores& method : evaluation.methods) {
-    Row row = {method.name};
+  for (const MethodScores* method : rows_of(evaluation)) {
+    Row row = {method->name};
     for (size_t m = 0; m < metrics().size(); ++m)
-      row.push_back(range(mean_interval(method.values(m)), metrics()[m].digits));
+      row.push_back(range(mean_interval(method->values(m)), metrics()[m].digits));
     rows.push_back(row);
   }
   const size_t frames = evaluation.methods.empty() ? 0 : evaluation.methods.front().frames.size();
@@ -143,7 +152,18 @@ std::string markdown_comparison(const Evaluation& evaluation) {
     text += fmt::format(
         "\n- {} frames are too few: the signed-rank test cannot come below {:g} with fewer than {}\n",
         comparison.frame_count, 1 - kConfidence, kFewestFrames);
+  if (evaluation.floor) {
+    Row floors;
+    for (size_t m = 0; m < metrics().size(); ++m)
+      floors.push_back(metrics()[m].title + " " + number(evaluation.floor->mean(m), metrics()[m].digits));
+    text += fmt::format("\n- {}: {}\n", evaluation.floor->name, fmt::join(floors, ", "));
+  }
   return text;
+}
+
+std::string floor_text() {
+  return "what the references' own noise scores, estimated from two independent halves of their samples; no "
+         "method can be told to be better than this";
 }
 
 std::string formulas_text() {
@@ -157,9 +177,9 @@ std::string markdown_frames(const Evaluation& evaluation) {
   std::vector<Row> rows = {headings({"frame", "method"})};
   const size_t frame_count = evaluation.methods.empty() ? 0 : evaluation.methods.front().frames.size();
   for (size_t f = 0; f < frame_count; ++f)
-    for (const MethodScores& method : evaluation.methods) {
-      const FrameScores& scores = method.frames[f];
-      Row row = {scores.frame, method.name};
+    for (const MethodScores* method : rows_of(evaluation)) {
+      const FrameScores& scores = method->frames[f];
+      Row row = {scores.frame, method->name};
       for (size_t m = 0; m < metrics().size(); ++m)
         row.push_back(number(scores.values[m], metrics()[m].digits));
       row.push_back(seconds(scores.seconds));

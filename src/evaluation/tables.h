@@ -9,8 +9,8 @@
 
 namespace ld {
 
-/// The means: one row a method, one column a metric, and the seconds a frame; below it each metric's formula,
-/// what it is computed on, and the widths of the blur.
+/// The means: one row a method, one column a metric, and the seconds a frame, the references' floor last
+/// where it is known; below it each metric's formula, what it is computed on, and the widths of the blur.
 std::string markdown_means(const Evaluation& evaluation);
 
 /// The confidence intervals of these means (evaluation/statistics.h): the same rows, "low .. high".
@@ -19,6 +19,9 @@ std::string markdown_intervals(const Evaluation& evaluation);
 /// Every method against the evaluation's baseline (evaluation/comparison.h): a row for each metric and
 /// method.
 std::string markdown_comparison(const Evaluation& evaluation);
+
+/// What the floor is, for people.
+std::string floor_text();
 
 /// One line for each metric: its name and formula.
 std::string formulas_text();
@@ -40,7 +43,8 @@ std::string comparison_csv(const Evaluation& evaluation);
 ///  "methods": {NAME: {"mean": {"relmse", "smape", "ssim", "psnr"}, "interval": {"relmse": [low, high], ...},
 ///                     "seconds"?, "parameters"?, "multiply_adds_per_pixel"?, "not_finite", "sigma"?: {...},
 ///                     "frames": [{"name", "relmse", "smape", "ssim", "psnr", "seconds"?, "not_finite"}]}},
-///  "comparison": comparison_json()}
+///  "floor"?: {"name", "text", "mean": {"relmse", ...}, "interval": {...}, "frames": [{"name", "relmse",
+///  ...}]}, "comparison": comparison_json()}
 /// A score that is no finite number (PSNR of equal pictures, a broken picture: see not_finite) is null, and
 /// so is an interval or a p that does not exist.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);

@@ -34,12 +34,28 @@ Json json_frame(const FrameScores& frame) {
   return row;
 }
 
-Json json_method(const MethodScores& method) {
-  Json entry;
+void add_means(Json& entry, const MethodScores& method) {
   for (size_t m = 0; m < metrics().size(); ++m) {
     entry["mean"][metrics()[m].name] = number_or_null(method.mean(m));
     entry["interval"][metrics()[m].name] = json_interval(mean_interval(method.values(m)));
   }
+}
+
+Json json_floor(const MethodScores& floor) {
+  Json entry = {{"name", floor.name}, {"text", floor_text()}};
+  add_means(entry, floor);
+  entry["frames"] = Json::array();
+  for (const FrameScores& frame : floor.frames) {
+    Json row = {{"name", frame.frame}};
+    row.update(json_values(frame.values));
+    entry["frames"].push_back(row);
+  }
+  return entry;
+}
+
+Json json_method(const MethodScores& method) {
+  Json entry;
+  add_means(entry, method);
   if (const auto time = method.mean_seconds()) entry["seconds"] = *time;
   if (method.cost.parameters) entry["parameters"] = *method.cost.parameters;
   if (method.cost.multiply_adds) entry["multiply_adds_per_pixel"] = *method.cost.multiply_adds;
@@ -88,6 +104,7 @@ Json to_json(const Evaluation& evaluation) {
                                     {"digits", metric.digits}};
   json["methods"] = Json::object();
   for (const MethodScores& method : evaluation.methods) json["methods"][method.name] = json_method(method);
+  if (evaluation.floor) json["floor"] = json_floor(*evaluation.floor);
   if (!evaluation.methods.empty())
     json["comparison"] = comparison_json(evaluation, evaluation.baseline_method());
   return json;

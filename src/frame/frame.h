@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct Image {
   float& at(int channel, int x, int y) { return plane(channel)[size_t(y) * size_t(width) + size_t(x)]; }
   float at(int channel, int x, int y) const { return plane(channel)[size_t(y) * size_t(width) + size_t(x)]; }
 };
+
+/// The score of each metric, by its name, that noise of the reference's own size makes (metrics/floor.h);
+/// empty where nobody knows it.
+using ReferenceFloor = std::map<std::string, double>;
 
 /// What was wrong with the samples of a frame, and what was done about it.
 struct Faults {

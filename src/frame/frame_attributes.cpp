@@ -1,16 +1,20 @@
 #include "frame/frame_attributes.h"
 
+#include <ImfDoubleAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfIntAttribute.h>
 #include <ImfStringAttribute.h>
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 
 namespace ld {
 namespace {
+
+const std::string kFloor = "ldFloor.";
 
 void read_text(const Imf::Header& header, const char* name, std::string& value) {
   if (const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name))
@@ -68,6 +72,27 @@ FrameInfo read_attributes(const Imf::Header& header, const std::string& path, in
     info.depth_scale = attribute->value();
   }
   return info;
+}
+
+void write_floor(Imf::Header& header, const ReferenceFloor& floor) {
+  for (const auto& [metric, score] : floor) header.insert(kFloor + metric, Imf::DoubleAttribute(score));
+}
+
+ReferenceFloor read_floor(const Imf::Header& header, const std::string& path) {
+  ReferenceFloor floor;
+  for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
+    const std::string name = attribute.name();
+    if (name.rfind(kFloor, 0) != 0) continue;
+    double score = std::numeric_limits<double>::quiet_NaN();
+    if (const auto* value = dynamic_cast<const Imf::DoubleAttribute*>(&attribute.attribute()))
+      score = value->value();
+    if (const auto* value = dynamic_cast<const Imf::FloatAttribute*>(&attribute.attribute()))
+      score = value->value();
+    if (std::isnan(score))
+      fail("{}: the attribute '{}' is not a number (double or float); correct or remove it", path, name);
+    floor[name.substr(kFloor.size())] = score;
+  }
+  return floor;
 }
 
 Imf::Header header_with(int width, int height, const Windows& windows) {

@@ -16,6 +16,11 @@ void write_attributes(Imf::Header& header, const FrameInfo& info, int spp);
 /// Error for a newer schema version and for values of a wrong type; `path` names the file in complaints.
 FrameInfo read_attributes(const Imf::Header& header, const std::string& path, int& spp);
 
+/// A reference's floor as one attribute "ldFloor.NAME" for each metric. Reading takes doubles and floats;
+/// throws Error for another type and for NaN.
+void write_floor(Imf::Header& header, const ReferenceFloor& floor);
+ReferenceFloor read_floor(const Imf::Header& header, const std::string& path);
+
 /// A header without channels for a picture of this size, with its data and display window.
 Imf::Header header_with(int width, int height, const Windows& windows);
 Windows windows_of(const Imf::Header& header);

@@ -35,14 +35,17 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
 int64_t write_frame(const std::filesystem::path& path, const Frame& frame);
 
 /// An image of 1 (Y), 3 (R, G, B) or, in ".exr", 4 channels (and A): ".exr" holds linear half floats, ".png"
-/// 8 bits of the tone map (eq. 7 of [MH20]) and no windows; atomic. Throws Error for another extension.
-void write_image(const std::filesystem::path& path, const Image& image, const Windows& windows = {});
+/// 8 bits of the tone map (eq. 7 of [MH20]) and neither windows nor floor; atomic. Throws Error for another
+/// extension.
+void write_image(const std::filesystem::path& path, const Image& image, const Windows& windows = {},
+                 const ReferenceFloor& floor = {});
 
 /// The bytes of such a PNG file; `path` is what complaints name.
 std::string png_bytes(const std::filesystem::path& path, const Image& image);
 
 /// Reads R, G, B of the first part of an EXR. `bad_pixels`, when given, receives how many channels were NaN,
-/// infinite or negative; they are set to 0. Throws Error.
-Image read_image(const std::filesystem::path& path, int64_t* bad_pixels = nullptr);
+/// infinite or negative; they are set to 0. `floor`, when given, receives a reference's. Throws Error.
+Image read_image(const std::filesystem::path& path, int64_t* bad_pixels = nullptr,
+                 ReferenceFloor* floor = nullptr);
 
 }  // namespace ld

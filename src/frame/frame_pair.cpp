@@ -12,7 +12,7 @@ FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFra
   const std::filesystem::path reference = reference_path(folder, entry.name);
   FramePair pair;
   pair.frame = read_frame(path, features, pair.faults);
-  pair.reference = read_image(reference, &pair.bad_reference_values);
+  pair.reference = read_image(reference, &pair.bad_reference_values, &pair.floor);
   if (pair.frame.width != pair.reference.width || pair.frame.height != pair.reference.height)
     fail(
         "{} is {}x{} but its reference {} is {}x{}; both must show the same picture: render one of them "

@@ -13,6 +13,7 @@ namespace ld {
 struct FramePair {
   Frame frame;
   Image reference;                   // [3, H, W] linear, the size of the frame
+  ReferenceFloor floor;              // of the reference
   Faults faults;                     // of the frame
   int64_t bad_reference_values = 0;  // NaN, infinite or negative ones, set to 0
 };

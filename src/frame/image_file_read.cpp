@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "frame/exr_reader.h"
+#include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
 
 namespace ld {
@@ -17,8 +18,10 @@ Image read_rgb(const ExrReader& exr) {
   return image;
 }
 
-Image read_image(const std::filesystem::path& path, int64_t* bad_pixels) {
-  Image image = read_rgb(ExrReader(path));
+Image read_image(const std::filesystem::path& path, int64_t* bad_pixels, ReferenceFloor* floor) {
+  const ExrReader exr(path);
+  Image image = read_rgb(exr);
+  if (floor != nullptr) *floor = read_floor(exr.header(0), exr.path());
   int64_t bad = 0;
   for (float& value : image.pixels) {
     if (std::isfinite(value) && value >= 0) continue;

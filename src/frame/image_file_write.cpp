@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Writes to `temporary`; complaints name `path`.
-void write_exr(const fs::path& temporary, const fs::path& path, const Image& image, const Windows& windows) {
+void write_exr(const fs::path& temporary, const fs::path& path, const Image& image, const Windows& windows,
+               const ReferenceFloor& floor) {
   std::vector<std::string> channels = {"Y"};
   if (image.channels > 1) channels = {"R", "G", "B"};
   if (image.channels == 4) channels.emplace_back("A");
@@ -34,6 +35,7 @@ void write_exr(const fs::path& temporary, const fs::path& path, const Image& ima
                  [](float value) { return half(std::clamp(value, -65504.0F, 65504.0F)); });
   Imf::Header header = header_with(image.width, image.height, windows);
   header.compression() = Imf::ZIP_COMPRESSION;
+  write_floor(header, floor);
   Imf::FrameBuffer buffer;
   for (size_t c = 0; c < channels.size(); ++c) {
     header.channels().insert(channels[c], Imf::Channel(Imf::HALF));
@@ -84,7 +86,8 @@ std::string png_bytes(const fs::path& path, const Image& image) {
   return {memory.buffer().begin(), memory.buffer().end()};
 }
 
-void write_image(const fs::path& path, const Image& image, const Windows& windows) {
+void write_image(const fs::path& path, const Image& image, const Windows& windows,
+                 const ReferenceFloor& floor) {
   const std::string extension = path.extension().string();
   if (extension != ".exr" && extension != ".png")
     fail("cannot write {}: unknown extension '{}'; expected .exr (linear) or .png (tone-mapped)",
@@ -93,7 +96,8 @@ void write_image(const fs::path& path, const Image& image, const Windows& window
   if (extension == ".png")
     write_file_atomically(path, png_bytes(path, image));
   else
-    write_atomically(path, [&](const fs::path& temporary) { write_exr(temporary, path, image, windows); });
+    write_atomically(path,
+                     [&](const fs::path& temporary) { write_exr(temporary, path, image, windows, floor); });
 }
 
 }  // namespace ld

@@ -46,6 +46,32 @@ std::optional<BsdfSample> sample_dielectric(const Bsdf& bsdf, Vec3 wo, Vec3 m, f
 
 }  // namespace
 
+void Bsdf::regularise(float least_alpha) {
+  constexpr float kNoInterface = 0.01F;
+  switch (kind) {
+    case MaterialKind::mirror:
+      alpha = least_alpha;  // Scene files may give a mirror any roughness; it means nothing.
+      rough_mirror = true;
+      break;
+    case MaterialKind::smooth_dielectric:
+      if (std::abs(eta - 1) < kNoInterface) break;
+      alpha = least_alpha;
+      kind = MaterialKind::rough_dielectric;
+      break;
+    case MaterialKind::coated_metal:
+      base_alpha = std::max(base_alpha, least_alpha);
+      [[fallthrough]];
+    case MaterialKind::rough_conductor:
+    case MaterialKind::rough_dielectric:
+    case MaterialKind::plastic:
+      alpha = std::max(alpha, least_alpha);
+      break;
+    case MaterialKind::diffuse:
+    case MaterialKind::mixed:
+      break;
+  }
+}
+
 Vec3 Bsdf::conductor_fresnel(float cos_i) const {
   if (is_black(metal_k)) return kind == MaterialKind::mirror ? colour : fresnel_schlick(colour, cos_i);
   return {fresnel_conductor(cos_i, metal_eta.x, metal_k.x), fresnel_conductor(cos_i, metal_eta.y, metal_k.y),
@@ -83,6 +109,8 @@ BsdfValue Bsdf::evaluate(Vec3 wo, Vec3 wi) const {
     case MaterialKind::coated_metal:
       return evaluate_coated(*this, wo, wi);
     case MaterialKind::mirror:
+      if (rough_mirror) return evaluate_conductor(*this, alpha, wo, wi);
+      break;
     case MaterialKind::smooth_dielectric:
     case MaterialKind::mixed:
       break;
@@ -98,6 +126,7 @@ std::optional<BsdfSample> Bsdf::sample(Vec3 wo, float u0, float u1, float u2) co
       return BsdfSample{wi, colour, wi.z / kPi, false};
     }
     case MaterialKind::mirror:
+      if (rough_mirror) return sample_conductor(*this, alpha, wo, u1, u2);
       return BsdfSample{{-wo.x, -wo.y, wo.z}, conductor_fresnel(wo.z), 0, true};
     case MaterialKind::smooth_dielectric:
       return sample_dielectric(*this, wo, {0, 0, 1}, u0);

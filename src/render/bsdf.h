@@ -19,6 +19,8 @@ enum class MaterialKind {
   mixed          // one of two materials for each sample; never reaches a Bsdf
 };
 
+constexpr float kSmallestAlpha = 1e-3F;  // below it GGX's peak is beyond what float directions resolve
+
 struct BsdfValue {
   Vec3 f_cos;     // f(wo, wi) |cos wi|, 1/sr times cosine; without what scatters in delta directions
   float pdf = 0;  // density of sample() over the solid angle of wi, 1/sr; likewise
@@ -49,9 +51,17 @@ struct Bsdf {
   float base_alpha = 1;  // of the metal under a coat
   // Complex index of conductors; used where k is not black.
   Vec3 metal_eta = {}, metal_k = {};
+  bool rough_mirror = false;  // a mirror that regularise() gave `alpha`: its reflectance stays a mirror's
 
   /// All of it scatters into delta directions.
-  bool is_delta() const { return kind == MaterialKind::mirror || kind == MaterialKind::smooth_dielectric; }
+  bool is_delta() const {
+    return (kind == MaterialKind::mirror && !rough_mirror) || kind == MaterialKind::smooth_dielectric;
+  }
+
+  /// Raises the GGX alpha of every lobe to at least `least_alpha`, in (0, 1]; mirrors, smooth dielectrics and
+  /// smooth coats become rough. Diffuse lobes stay, and so does a dielectric that hardly bends light (indices
+  /// within 1 %): there no microfacet explains what passes straight on.
+  void regularise(float least_alpha);
 
   /// Both zero for delta kinds and where nothing scatters.
   BsdfValue evaluate(Vec3 wo, Vec3 wi) const;

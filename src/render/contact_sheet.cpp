@@ -63,7 +63,7 @@ SheetReport render_contact_sheet(const Recipe& recipe, int64_t begin, int64_t en
     settings.seed = recipe.seed;
     settings.frame = frame;
     settings.spp = spp;
-    settings.path.max_bounces = static_cast<int>(recipe.max_bounces);
+    settings.path = recipe.path_settings();
     const Image picture = *render_reference(*scene, settings);
     const int place = static_cast<int>(i);
     const std::lock_guard<std::mutex> lock(mutex);

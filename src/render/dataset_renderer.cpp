@@ -17,15 +17,30 @@
 #include "core/threads.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
+#include "metrics/floor.h"
 #include "render/image_renderer.h"
 #include "render/scene_source.h"
 
 namespace ld {
 namespace {
 
-Manifest manifest_of(const Recipe& recipe) {
+/// The recipe's text as `folder` has it where it means the same: one that was begun before recipes had all of
+/// today's keys can be finished, the keys that it lacks having their defaults.
+std::string recipe_text(const Recipe& recipe, const std::filesystem::path& folder) {
+  const std::string text = config_to_yaml(recipe);
+  if (!std::filesystem::exists(folder / "manifest.json")) return text;
+  const std::string held = read_manifest(folder).recipe;
+  try {
+    const ConfigNode tree = parse_config(held, "manifest.json");
+    if (config_to_yaml(config_from_tree<Recipe>(tree)) == text) return held;
+  } catch (const UsageError&) {  // no recipe of ours: another one, as add_to_manifest says
+  }
+  return text;
+}
+
+Manifest manifest_of(const Recipe& recipe, const std::filesystem::path& folder) {
   Manifest manifest;
-  manifest.recipe = config_to_yaml(recipe);
+  manifest.recipe = recipe_text(recipe, folder);
   manifest.seed = recipe.seed;
   return manifest;
 }
@@ -48,9 +63,9 @@ bool is_whole(const Recipe& recipe, const std::filesystem::path& folder,
 }
 
 /// Frames of [begin, end) that the folder does not hold complete.
-std::vector<int64_t> missing_frames(const Recipe& recipe, const std::filesystem::path& folder, int64_t begin,
-                                    int64_t end) {
-  add_to_manifest(folder, manifest_of(recipe));  // another recipe's folder is an error now, not after an hour
+std::vector<int64_t> missing_frames(const Recipe& recipe, const std::filesystem::path& folder,
+                                    const Manifest& manifest, int64_t begin, int64_t end) {
+  add_to_manifest(folder, manifest);  // another recipe's folder is an error now, not after an hour
   std::map<std::string, ManifestFrame> held;
   for (const ManifestFrame& frame : read_manifest(folder).frames) held[frame.name] = frame;
   std::vector<int64_t> missing;
@@ -79,9 +94,14 @@ class PathCounter {
 
 class DatasetRenderer {
  public:
+  /// `manifest`: of the recipe, without frames.
   DatasetRenderer(const Recipe& recipe, const SceneSource& source, std::filesystem::path folder,
-                  PathCounter& counter)
-      : recipe_(recipe), source_(source), folder_(std::move(folder)), counter_(counter) {}
+                  Manifest manifest, PathCounter& counter)
+      : recipe_(recipe),
+        source_(source),
+        folder_(std::move(folder)),
+        manifest_(std::move(manifest)),
+        counter_(counter) {}
 
   void render_frame(int64_t frame, int threads) {
     if (stop_requested()) return;
@@ -90,8 +110,9 @@ class DatasetRenderer {
     settings.seed = recipe_.seed;
     settings.frame = static_cast<uint32_t>(frame);
     settings.threads = threads;
-    settings.path.max_bounces = static_cast<int>(recipe_.max_bounces);
-    settings.path.guides_through_specular = recipe_.guides == "through_specular";
+    settings.path = recipe_.path_settings();
+    settings.reference_parts = static_cast<int>(recipe_.reference_parts);
+    settings.robust_reference = recipe_.reference_estimator == "robust";
     settings.low_discrepancy = recipe_.sampling == "low_discrepancy";
     settings.stop = stop_requested;
     settings.progress = [this](int64_t paths) { counter_.add(paths); };
@@ -104,9 +125,12 @@ class DatasetRenderer {
       if (recipe_.half_radiance && !add_halved(*scene, settings, frame, 2 * instance + 1, samples)) return;
     }
     settings.spp = static_cast<int>(recipe_.reference_spp_of(frame));
-    const std::optional<Image> reference = render_reference(*scene, settings);
+    ReferenceHalves halves;
+    const bool halved = settings.reference_parts > 1;
+    const std::optional<Image> reference = render_reference(*scene, settings, halved ? &halves : nullptr);
     if (!reference) return;
-    write(frame, samples, *reference);
+    write(frame, samples, *reference,
+          halved ? reference_floor(halves.first, halves.second) : ReferenceFloor{});
   }
 
   int64_t finished() const { return finished_; }
@@ -139,9 +163,10 @@ class DatasetRenderer {
     return complete;
   }
 
-  void write(int64_t frame, const std::vector<Frame>& samples, const Image& reference) {
+  void write(int64_t frame, const std::vector<Frame>& samples, const Image& reference,
+             const ReferenceFloor& floor) {
     // The entries come last: a frame without one is rendered again.
-    Manifest addition = manifest_of(recipe_);
+    Manifest addition = manifest_;
     const size_t step = recipe_.half_radiance ? 2 : 1;
     for (size_t i = 0; i < samples.size(); i += step) {
       ManifestFrame entry;
@@ -155,7 +180,7 @@ class DatasetRenderer {
       clamped_ += write_frame(frame_path(folder_, entry.name), samples[i]);
       if (recipe_.half_radiance) clamped_ += write_frame(half_path(folder_, entry.name), samples[i + 1]);
       if (i == 0)
-        write_image(reference_path(folder_, entry.name), reference);
+        write_image(reference_path(folder_, entry.name), reference, {}, floor);
       else
         share_reference(frame_name(frame), entry.name);
       entry.checksum = file_checksum(frame_path(folder_, entry.name));
@@ -185,6 +210,7 @@ class DatasetRenderer {
   const Recipe& recipe_;
   const SceneSource& source_;
   std::filesystem::path folder_;
+  Manifest manifest_;
   PathCounter& counter_;
   std::mutex manifest_mutex_;
   std::atomic<int64_t> finished_{0}, clamped_{0};
@@ -199,13 +225,14 @@ std::filesystem::path half_path(const std::filesystem::path& folder, const std::
 RenderReport render_dataset(const Recipe& recipe, const std::filesystem::path& folder, int64_t begin,
                             int64_t end, int threads) {
   const auto source = make_scene_source(recipe);  // a scene file that cannot be read leaves no folder behind
-  const std::vector<int64_t> frames = missing_frames(recipe, folder, begin, end);
+  const Manifest manifest = manifest_of(recipe, folder);
+  const std::vector<int64_t> frames = missing_frames(recipe, folder, manifest, begin, end);
   const auto count = static_cast<int64_t>(frames.size());
   int64_t total = 0;
   for (const int64_t frame : frames) total += recipe.paths(frame);
   const auto start = std::chrono::steady_clock::now();
   PathCounter counter(total, count);
-  DatasetRenderer renderer(recipe, *source, folder, counter);
+  DatasetRenderer renderer(recipe, *source, folder, manifest, counter);
 
   // A frame a thread while there are plenty: building and writing, which take one thread, then overlap with
   // tracing. The last frames are shared by all threads, so that none waits for another's long frame.

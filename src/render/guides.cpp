@@ -18,7 +18,6 @@ Vec2 shift_at_infinity(const Camera& from, const Camera& to, Vec3 direction) {
 }  // namespace
 
 Bsdf bsdf_at(const Material& material, const Surface& surface, bool outside, float& roughness) {
-  constexpr float kSmallestAlpha = 1e-3F;  // below it GGX's peak is beyond what float directions resolve
   Bsdf bsdf;
   bsdf.kind = material.kind;
   bsdf.colour = material.colour.evaluate(surface.texture);

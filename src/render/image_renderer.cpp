@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "render/robust_mean.h"
 
 namespace ld {
 namespace {
@@ -95,20 +96,40 @@ std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSett
   return frame;
 }
 
-std::optional<Image> render_reference(const PreparedScene& scene, const RenderSettings& settings) {
+std::optional<Image> render_reference(const PreparedScene& scene, const RenderSettings& settings,
+                                      ReferenceHalves* halves) {
   const Camera& camera = scene.scene().camera;
+  const auto parts = static_cast<size_t>(settings.reference_parts);
+  const int part_spp = settings.spp / settings.reference_parts;
   Image image(camera.width, camera.height, 3);
+  if (halves != nullptr) halves->first = halves->second = image;
+  /// Puts the estimate of parts [begin, end) into a pixel.
+  const auto estimate = [&](const std::vector<Radiance>& means, size_t begin, size_t end, uint32_t pixel,
+                            Image& to) {
+    const std::vector<Radiance> chosen(means.begin() + static_cast<ptrdiff_t>(begin),
+                                       means.begin() + static_cast<ptrdiff_t>(end));
+    const Radiance value = settings.robust_reference ? robust_mean(chosen) : plain_mean(chosen);
+    for (int c = 0; c < 3; ++c) to.plane(c)[pixel] = static_cast<float>(value[static_cast<size_t>(c)]);
+  };
   const auto shade = [&](int x, int y, uint32_t pixel) {
-    const uint32_t pixel_seed =
-        RandomStream(settings.seed, RandomPurpose::reference, settings.frame, pixel).bits();
-    double sum[3] = {0, 0, 0};
-    for (int s = 0; s < settings.spp; ++s) {
-      SampleNumbers numbers(pixel_seed, static_cast<uint32_t>(s));
-      const CameraSample where = draw_camera_sample(camera, x, y, numbers);
-      const Vec3 radiance = trace_path(scene, camera.ray_at(where), where.time, numbers, settings.path);
-      for (int c = 0; c < 3; ++c) sum[c] += radiance[c];
+    std::vector<Radiance> means(parts);
+    for (size_t part = 0; part < parts; ++part) {
+      const uint32_t part_seed = RandomStream(settings.seed, RandomPurpose::reference, settings.frame, pixel,
+                                              static_cast<uint32_t>(part))
+                                     .bits();
+      Radiance sum = {0, 0, 0};
+      for (int s = 0; s < part_spp; ++s) {
+        SampleNumbers numbers(part_seed, static_cast<uint32_t>(s));
+        const CameraSample where = draw_camera_sample(camera, x, y, numbers);
+        const Vec3 radiance = trace_path(scene, camera.ray_at(where), where.time, numbers, settings.path);
+        for (int c = 0; c < 3; ++c) sum[static_cast<size_t>(c)] += radiance[c];
+      }
+      for (size_t c = 0; c < 3; ++c) means[part][c] = sum[c] / part_spp;
     }
-    for (int c = 0; c < 3; ++c) image.plane(c)[pixel] = static_cast<float>(sum[c] / settings.spp);
+    estimate(means, 0, parts, pixel, image);
+    if (halves == nullptr) return;
+    estimate(means, 0, parts / 2, pixel, halves->first);
+    estimate(means, parts / 2, parts, pixel, halves->second);
   };
   const bool complete = for_each_tile(
       camera, settings, [&](const Tile& tile) { return for_each_pixel(tile, camera, settings, shade); });

@@ -27,7 +27,9 @@ struct Vertex {
   }
 };
 
-Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_viewer, float& roughness) {
+/// `least_alpha`: of the surface's lobes; 0: as the material has them.
+Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_viewer, float least_alpha,
+                   float& roughness) {
   Vertex vertex;
   vertex.position = surface.position;
   const bool outside = dot(surface.geometric_normal, to_viewer) > 0;
@@ -43,6 +45,7 @@ Vertex make_vertex(const PreparedScene& scene, const Surface& surface, Vec3 to_v
 
   const Material& material = scene.material_of(surface, to_viewer);
   vertex.bsdf = bsdf_at(material, surface, outside, roughness);
+  if (least_alpha > 0) vertex.bsdf.regularise(least_alpha);
   return vertex;
 }
 
@@ -78,7 +81,22 @@ float claim(bool only_way, float bsdf_pdf, float light_pdf, LightStrategy strate
   return strategy == LightStrategy::mis ? power_heuristic(bsdf_pdf, light_pdf) : 0;
 }
 
+/// Whether a direction of this density was scattered so broadly that what follows may be regularised: no more
+/// narrowly than by a diffuse surface, or than a microfacet reflection of alpha does at its peak. A function
+/// of the path's points alone, so that however the path goes on, its next surface is the same.
+bool is_broad(float pdf, float alpha) {
+  return pdf * kPi <= std::max(1.0F, 1 / (4 * alpha * alpha));
+}
+
 }  // namespace
+
+Vec3 clamp_contribution(Vec3 contribution, float bound) {
+  const float largest = max_component(contribution);
+  if (bound == 0 || !(largest > bound) || std::isinf(largest)) return contribution;
+  // Divided first: the quotient of the two bounds may be a denormal number, which has few digits.
+  for (int c = 0; c < 3; ++c) contribution[c] = std::min(contribution[c], contribution[c] / largest * bound);
+  return contribution;
+}
 
 Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, SampleNumbers& numbers,
                 const PathSettings& settings, Guides* guides) {
@@ -88,6 +106,16 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
   Ray ray = first_ray;
   bool only_way = true;  // next-event estimation could not have found what this ray finds
   float bsdf_pdf = 0;
+  int scattered_times = 0;  // from the first surface on that is neither mirror nor smooth glass
+  const float least_alpha = settings.regularisation > 0
+                                ? std::max(settings.regularisation * settings.regularisation, kSmallestAlpha)
+                                : 0;
+  bool regularised = false;
+  /// What a contribution counts that was scattered `more` times since.
+  const auto bounded = [&](Vec3 contribution, int more) {
+    return scattered_times + more < 2 ? contribution
+                                      : clamp_contribution(contribution, settings.indirect_clamp);
+  };
   for (int bounce = 0;; ++bounce) {
     numbers.seek(kCameraPairs + kBouncePairs * static_cast<uint32_t>(bounce));
     const bool first = bounce == 0;
@@ -97,18 +125,20 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     if (!surface) {
       if (record != nullptr) record->escaped(ray.direction, first);
       const Vec3 sky = scene.environment(ray.direction, light_pdf);
-      return radiance + throughput * sky * claim(only_way, bsdf_pdf, light_pdf, settings.strategy);
+      return radiance +
+             bounded(throughput * sky * claim(only_way, bsdf_pdf, light_pdf, settings.strategy), 0);
     }
     const Vec3 emitted = scene.emitted(*surface, ray.direction, light_pdf);
     if (!is_black(emitted))
-      radiance += throughput * emitted * claim(only_way, bsdf_pdf, light_pdf, settings.strategy);
+      radiance += bounded(throughput * emitted * claim(only_way, bsdf_pdf, light_pdf, settings.strategy), 0);
     const bool shines = surface->light >= 0 || !is_black(emitted);
     if (record != nullptr && shines) record->light(*surface, ray.direction, emitted, first);
     if (surface->light >= 0) return radiance;
     if (bounce > 0 && bounce == settings.max_bounces && record == nullptr) return radiance;
 
     float roughness = 1;
-    const Vertex vertex = make_vertex(scene, *surface, -ray.direction, roughness);
+    const Vertex vertex =
+        make_vertex(scene, *surface, -ray.direction, regularised ? least_alpha : 0, roughness);
     if (record != nullptr && !shines)
       record->surface(*surface, vertex.basis.z, vertex.bsdf, roughness, first);
     if (bounce == settings.max_bounces) return radiance;
@@ -116,7 +146,7 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     const bool last = ends_here(vertex, bounce, settings);
     const LightStrategy strategy = last ? LightStrategy::light_sampling : settings.strategy;
     if (!vertex.bsdf.is_delta() && scene.has_lights() && strategy != LightStrategy::bsdf_sampling)
-      radiance += throughput * direct_light(scene, vertex, time, strategy, numbers);
+      radiance += bounded(throughput * direct_light(scene, vertex, time, strategy, numbers), 1);
     if (last) return radiance;
 
     const float choice = numbers.one();
@@ -130,6 +160,8 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     if (record != nullptr && vertex.bsdf.is_delta()) record->pass(scattered->weight);
     only_way = scattered->delta;
     bsdf_pdf = scattered->pdf;
+    if (scattered_times > 0 || !vertex.bsdf.is_delta()) ++scattered_times;
+    if (least_alpha > 0 && !scattered->delta && is_broad(bsdf_pdf, least_alpha)) regularised = true;
     ray = vertex.leave(direction);
   }
 }

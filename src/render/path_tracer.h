@@ -1,6 +1,6 @@
 // Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997; Kajiya
-// 1986). No Russian roulette and no clamping: the estimate is unbiased for paths of at most `max_bounces`
-// scatterings.
+// 1986). No Russian roulette, and no clamping unless asked for: the estimate is then unbiased for paths of at
+// most `max_bounces` scatterings.
 #pragma once
 
 #include <array>
@@ -19,7 +19,20 @@ struct PathSettings {
   int max_bounces = 5;  // scatterings between camera and light; 0 shows only what shines itself
   LightStrategy strategy = LightStrategy::mis;
   bool guides_through_specular = false;  // GuideRecorder
+  /// Path-space regularisation (after Kaplanyan and Dachsbacher 2013, in the form that production renderers
+  /// give it): once a path has been scattered broadly, every later surface has at least this roughness (GGX's
+  /// alpha is its square), mirrors and smooth glass too. What can then only be found by chance, a lamp in a
+  /// mirror seen by a diffuse surface, is blurred until it is found often. In [0, 1]; 0: off. Light sampling,
+  /// BSDF sampling and their weights all see the same regularised surface.
+  float regularisation = 0;
+  /// Bound on the largest channel of every contribution that was scattered at least twice from the first
+  /// surface on that is neither mirror nor smooth glass; the others are scaled with it. 0: none.
+  float indirect_clamp = 0;
 };
+
+/// `contribution` scaled until its largest channel is at most `bound`; as it is where it is below already,
+/// where bound is 0, and where it is not finite (a fault that must stay visible).
+Vec3 clamp_contribution(Vec3 contribution, float bound);
 
 /// Radiance along one random path that begins with `ray`; `guides`, when given, receives what the first hit
 /// says.

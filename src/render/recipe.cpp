@@ -15,6 +15,28 @@ void check_pair(const std::string& name, const char* key, const std::vector<int6
     fail_usage("{}: {}: expected two numbers, [{}], found {}", name, key, expected, values.size());
 }
 
+/// Halves of the parts make the floor, and a robust mean takes three estimates at least: with two there is no
+/// telling which is the outlier.
+void check_parts(const Recipe& recipe, const std::string& name) {
+  const int64_t parts = recipe.reference_parts;
+  const bool robust = recipe.reference_estimator == "robust";
+  if (robust && (parts < 6 || parts % 2 != 0))
+    fail_usage(
+        "{}: reference_parts: expected an even number of at least 6 with reference_estimator: robust, found "
+        "{}",
+        name, parts);
+  if (!robust && parts != 1 && parts % 2 != 0)
+    fail_usage("{}: reference_parts: expected 1 or an even number, found {}", name, parts);
+  const auto check = [&](const char* split, int64_t frames, int64_t spp) {
+    if (frames > 0 && spp % parts != 0)
+      fail_usage("{}: reference_spp.{}: expected a multiple of reference_parts ({}), found {}", name, split,
+                 parts, spp);
+  };
+  check("train", recipe.frames.train, recipe.reference_spp.train);
+  check("validation", recipe.frames.validation, recipe.reference_spp.validation);
+  check("test", recipe.frames.test, recipe.reference_spp.test);
+}
+
 int64_t parse_bound(const std::string& text, const std::string& whole) {
   int64_t value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -24,6 +46,15 @@ int64_t parse_bound(const std::string& text, const std::string& whole) {
 }
 
 }  // namespace
+
+PathSettings Recipe::path_settings() const {
+  PathSettings settings;
+  settings.max_bounces = static_cast<int>(max_bounces);
+  settings.guides_through_specular = guides == "through_specular";
+  settings.regularisation = static_cast<float>(path_regularisation);
+  settings.indirect_clamp = static_cast<float>(indirect_clamp);
+  return settings;
+}
 
 std::string Recipe::split(int64_t frame) const {
   if (frame < frames.train) return "train";
@@ -54,6 +85,7 @@ void finish_recipe(Recipe& recipe, const std::string& name, const std::filesyste
   constexpr int64_t kMostFrames = 100000000;  // they are counted in 27 bits
   if (recipe.frame_count() > kMostFrames)
     fail_usage("{}: frames: expected at most {} in all, found {}", name, kMostFrames, recipe.frame_count());
+  check_parts(recipe, name);
   const int64_t length = recipe.sequence.length;
   for (const int64_t count : {recipe.frames.train, recipe.frames.validation, recipe.frames.test})
     if (count % length != 0)

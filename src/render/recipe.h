@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/config_visitor.h"
+#include "render/path_tracer.h"
 #include "render/random_scene.h"
 #include "render/scene_file_config.h"
 
@@ -39,6 +40,10 @@ struct Recipe {
   std::string sampling = "independent";  // of the frames' samples; low_discrepancy spreads a pixel's evenly
   std::string guides = "first_hit";      // or through_specular: what mirrors and glass show
   bool half_radiance = false;            // samples at half the width and height beside each frame
+  double path_regularisation = 0;        // PathSettings::regularisation, of samples and references alike
+  double indirect_clamp = 0;             // PathSettings::indirect_clamp, likewise
+  std::string reference_estimator = "mean";  // or robust: robust_mean of the parts
+  int64_t reference_parts = 1;  // independent parts of a reference; from 2 on it knows its own floor
   SceneConfig scenes;
   SceneFileConfig scene_file;  // in place of `scenes` where it has a path
   SequenceConfig sequence;
@@ -54,6 +59,10 @@ struct Recipe {
     v.field("sampling", sampling, {"independent", "low_discrepancy"});
     v.field("guides", guides, {"first_hit", "through_specular"});
     v.field("half_radiance", half_radiance);
+    v.field("path_regularisation", path_regularisation, Range{0, 1});
+    v.field("indirect_clamp", indirect_clamp, Range{0, 1e30});
+    v.field("reference_estimator", reference_estimator, {"mean", "robust"});
+    v.field("reference_parts", reference_parts, Range{1, 1024});
     v.section("scenes", scenes);
     v.section("scene_file", scene_file);
     v.section("sequence", sequence);
@@ -62,6 +71,8 @@ struct Recipe {
   int width() const { return static_cast<int>(resolution[0]); }
   int height() const { return static_cast<int>(resolution[1]); }
   int64_t frame_count() const { return frames.train + frames.validation + frames.test; }
+  /// How its paths go, of samples and references alike.
+  PathSettings path_settings() const;
   /// "train", "validation" or "test"; `frame` in [0, frame_count()).
   std::string split(int64_t frame) const;
   int64_t reference_spp_of(int64_t frame) const;

@@ -35,11 +35,16 @@ function fillScores() {
     const cells = metricNames.map((m) => scoreCell(m, method.mean[m], best[m], method.interval[m] ? formatInterval(method.interval[m], scores.metrics[m].digits) : ""));
     return make("tr", {}, [methodCell(name), ...cells, make("td", { text: secondsText(method) })]);
   });
+  if (scores.floor) {
+    const cells = metricNames.map((m) => scoreCell(m, scores.floor.mean[m], null, ""));
+    rows.push(make("tr", {}, [make("th", { scope: "row", text: scores.floor.name }), ...cells, make("td", { text: "–" })]));
+  }
   fillTable("score-table", [heading("method"), ...metricNames.map((m) => heading(metricTitle(m))), heading("s a frame")], rows);
   const broken = methodNames.filter((name) => scoreOf(name).not_finite > 0);
   const notes = [`Means over ${scores.frame_count} frames; below each the ${100 * scores.confidence} % confidence interval of the mean (Student's t). Bold: the best.`];
   if (scores.methods.blur?.sigma)
     notes.push(`blur is a Gaussian whose width is chosen for each metric: ${metricNames.map((m) => `${Number(scores.methods.blur.sigma[m]?.toPrecision(3))} px for ${scores.metrics[m].title}`).join(", ")}.`);
+  if (scores.floor) notes.push(`${scores.floor.name}: ${scores.floor.text}.`);
   if (broken.length) notes.push(`No score, because values are NaN or infinite: ${broken.join(", ")}.`);
   byId("score-note").textContent = notes.join(" ");
 }
@@ -64,6 +69,7 @@ function fillPairs() {
   byId("pair-note").textContent =
     `Difference: method − ${comparison.baseline}, mean over ${comparison.frame_count} frames; green and red where the interval leaves out 0, for better and worse. ` +
     "p: Wilcoxon's signed-rank test, two-sided, not corrected for the number of rows." +
+    (scores.floor ? ` ${scores.floor.name}: ${metricNames.map((m) => `${scores.metrics[m].title} ${formatScore(scores.floor.mean[m], scores.metrics[m].digits)}`).join(", ")}.` : "") +
     (comparison.too_few_frames ? " These are too few frames: with fewer than 6 the test cannot come below 0.05." : "");
 }
 
@@ -80,9 +86,10 @@ function fillFrames() {
       open.addEventListener("click", () => { selectFrame(picture); byId("pictures").scrollIntoView(); });
       title.append(open);
     } else title.textContent = name;
-    return make("tr", { class: picture === state.picture ? "current" : "" }, [title, ...values.map((value) => scoreCell(metric, value, best, ""))]);
+    const floor = scores.floor ? [scoreCell(metric, scores.floor.frames[f][metric], null, "")] : [];
+    return make("tr", { class: picture === state.picture ? "current" : "" }, [title, ...values.map((value) => scoreCell(metric, value, best, "")), ...floor]);
   });
-  fillTable("frame-table", [heading("frame"), ...methodNames.map((name) => heading(name))], rows);
+  fillTable("frame-table", [heading("frame"), ...methodNames.map((name) => heading(name)), ...(scores.floor ? [heading(scores.floor.name)] : [])], rows);
   byId("frame-note").textContent = report.pictures.length < frames.length
     ? `Pictures of ${report.pictures.length} of the ${frames.length} frames are in this file; their names open them.` : "";
 }
