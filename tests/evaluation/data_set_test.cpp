@@ -20,7 +20,7 @@ class DataSetOnDisk : public testing::Test {
     for (int i = 0; i < 3; ++i) {
       const EvaluationFrame frame = noisy_frame("frame_" + std::to_string(i), 12, 9, 2, i);
       write_frame(frame_path(folder_.path(), frame.name), frame.frame);
-      write_image(reference_path(folder_.path(), frame.name), frame.reference);
+      write_image(reference_path(folder_.path(), frame.name), frame.reference, {}, {{"psnr", 40.0 + i}});
       ManifestFrame entry;
       entry.name = frame.name;
       entry.split = i == 2 ? "train" : "test";
@@ -41,6 +41,7 @@ TEST_F(DataSetOnDisk, LoadsTheFramesOfTheSplitInOrder) {
     const EvaluationFrame loaded = frames.load(i);
     EXPECT_EQ(loaded.name, expected.name);
     EXPECT_EQ(loaded.frame.spp, 2);
+    EXPECT_EQ(loaded.floor, (ReferenceFloor{{"psnr", 40.0 + static_cast<double>(i)}}));
     ASSERT_EQ(loaded.reference.pixels.size(), expected.reference.pixels.size());
     for (size_t p = 0; p < expected.reference.pixels.size(); ++p)
       ASSERT_NEAR(loaded.reference.pixels[p] / expected.reference.pixels[p], 1,

@@ -28,6 +28,26 @@ Image first_sample(const Frame& frame) {
   return image;
 }
 
+TEST(Evaluator, TellsTheFloorWhereAllReferencesHaveOne) {
+  for (const size_t without : {0, 2, 3}) {
+    const FrameSet frames = {3, [&](size_t i) {
+                               EvaluationFrame frame =
+                                   noisy_frame("frame_" + std::to_string(i), 12, 12, 2, static_cast<int>(i));
+                               if (i != without)
+                                 for (const Metric& metric : metrics())
+                                   frame.floor[metric.name] = 0.5 + static_cast<double>(i);
+                               return frame;
+                             }};
+    const auto result = evaluate(frames, {}, {});
+    ASSERT_TRUE(result);
+    ASSERT_EQ(result->floor.has_value(), without == 3) << without;
+    if (!result->floor) continue;
+    ASSERT_EQ(result->floor->frames.size(), 3U);
+    EXPECT_EQ(result->floor->mean(3), 1.5);
+    EXPECT_EQ(result->floor->frames[2].frame, "frame_2");
+  }
+}
+
 TEST(Evaluator, ScoresBaselinesAndMethodsAsTheMetricsDoFrameByFrame) {
   const FrameSet frames = three_frames();
   const std::vector<Method> methods = {{"first sample", first_sample}, {"mean", mean_radiance}};

@@ -201,7 +201,11 @@ def check_errors_and_region(report):
 def check_tables(report):
     data = report.js("return report")
     scores = data["evaluation"]["methods"]
-    expect_equal(len(report.texts("#score-table tbody tr")), 4, "rows of scores")
+    expect_equal(len(report.texts("#score-table tbody tr")), 5, "rows of scores and the floor's")
+    expect("43.50" in report.texts("#score-table tbody tr")[4], "PSNR of the floor")
+    expect("two independent halves" in report.element("score-note").text, "what the floor is")
+    expect("PSNR 43.50" in report.element("pair-note").text, "the floor below the pairs")
+    expect("reference's floor" in report.texts("#frame-table thead th")[-1], "the floor's column")
     expect(f"{scores['mean']['mean']['psnr']:.2f}" in report.texts("#score-table tbody tr")[3], "PSNR of the mean")
     expect("NaN or infinite" in report.element("score-note").text, "the broken method is named")
     expect_equal(report.js("return document.getElementById('baseline').selectedOptions[0].textContent"), "mean", "baseline")

@@ -112,6 +112,29 @@ TEST(Tables, ComparisonCsvLeavesCellsEmptyThatDoNotExist) {
   EXPECT_EQ(table[5], "noisy,\"a|b, \"\"c\"\"\",relmse,2,,,,0,2,0,");
 }
 
+TEST(Tables, TheFloorStandsBelowTheMethods) {
+  Evaluation evaluation = example();
+  evaluation.floor =
+      MethodScores{"reference's floor",
+                   {{"f0", {0.001, 0.01, 0.99, 50}, 0, {}}, {"f1", {0.003, 0.01, 0.99, kInfinity}, 0, {}}},
+                   {}};
+  const std::vector<std::string> means = lines(markdown_means(evaluation));
+  EXPECT_EQ(means[5].substr(0, 39), "| reference's floor | 0.0020 | 0.0100 |");
+  EXPECT_NE(means[5].find("| 0.9900 |   inf |       - |"), std::string::npos) << means[5];
+  EXPECT_EQ(means.back(), "- reference's floor: " + floor_text());
+  EXPECT_NE(markdown_intervals(evaluation).find("| reference's floor | "), std::string::npos);
+  EXPECT_NE(markdown_frames(evaluation).find("| f1    | reference's floor |"), std::string::npos);
+  EXPECT_EQ(lines(markdown_comparison(evaluation)).back(),
+            "- reference's floor: relMSE 0.0020, SMAPE 0.0100, SSIM 0.9900, PSNR inf");
+  const auto json = nlohmann::json::parse(to_json(evaluation).dump());
+  EXPECT_EQ(json["floor"]["mean"]["relmse"], 0.002);
+  EXPECT_TRUE(json["floor"]["mean"]["psnr"].is_null());
+  EXPECT_EQ(json["floor"]["frames"][0]["psnr"], 50);
+  EXPECT_EQ(json["methods"].size(), 3U);
+  EXPECT_FALSE(to_json(example()).contains("floor"));
+  EXPECT_EQ(to_csv(evaluation), to_csv(example()));
+}
+
 TEST(Tables, FormulasOfAllMetrics) {
   const std::vector<std::string> text = lines(formulas_text());
   ASSERT_EQ(text.size(), 5U);

@@ -29,11 +29,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   // The last frame is of another size than the others.
-  const ld::FrameSet frames = {7, [](size_t i) {
-                                 const std::string name =
-                                     i == 1 ? "</script><b>bold</b>" : "frame_" + std::to_string(i);
-                                 return ld::noisy_frame(name, i == 6 ? 40 : 48, 32, 2, static_cast<int>(i));
-                               }};
+  const ld::FrameSet frames = {
+      7, [](size_t i) {
+        const std::string name = i == 1 ? "</script><b>bold</b>" : "frame_" + std::to_string(i);
+        ld::EvaluationFrame frame = ld::noisy_frame(name, i == 6 ? 40 : 48, 32, 2, static_cast<int>(i));
+        frame.floor = {{"relmse", 1.5e-3}, {"smape", 0.0625}, {"ssim", 0.75}, {"psnr", 43.5}};
+        return frame;
+      }};
   ld::Method flat{"<img src=x onerror=alert(1)>", flat_picture};
   flat.cost = {17'280'000, 1.01e6};
   ld::ReportOptions options;

@@ -34,6 +34,22 @@ TEST(ImageFile, ExrRoundTrip) {
   }
 }
 
+TEST(ImageFile, KeepsTheFloorOfAReference) {
+  const TemporaryFolder folder;
+  const Image image = ramp(5, 4, 3);
+  const ReferenceFloor floor = {{"psnr", std::numeric_limits<double>::infinity()}, {"relmse", 1.25e-7}};
+  write_image(folder / "with.exr", image, {}, floor);
+  write_image(folder / "without.exr", image);
+  ReferenceFloor found;
+  EXPECT_EQ(read_image(folder / "with.exr", nullptr, &found).pixels, image.pixels);
+  EXPECT_EQ(found, floor);
+  read_image(folder / "without.exr", nullptr, &found);
+  EXPECT_TRUE(found.empty());
+  write_image(folder / "wrong.exr", image, {}, {{"ssim", std::nan("")}});
+  EXPECT_ERROR(read_image(folder / "wrong.exr", nullptr, &found), "'ldFloor.ssim' is not a number");
+  EXPECT_EQ(read_image(folder / "wrong.exr").width, 5) << "who does not ask for it does not mind";
+}
+
 TEST(ImageFile, SetsBadPixelsToZeroAndCountsThem) {
   const TemporaryFolder folder;
   Image image = ramp(4, 1, 3);

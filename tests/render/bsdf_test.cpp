@@ -35,6 +35,12 @@ Bsdf metal(size_t which, float alpha) {
   return bsdf;
 }
 
+Bsdf regularised(MaterialKind kind, float alpha, float eta) {
+  Bsdf bsdf = make_bsdf(kind, 1e-3F, eta);
+  bsdf.regularise(alpha);
+  return bsdf;
+}
+
 const std::vector<Case> kRoughCases = {
     {"diffuse", make_bsdf(MaterialKind::diffuse, 1, 1)},
     {"conductor, alpha 0.1", make_bsdf(MaterialKind::rough_conductor, 0.1F, 1)},
@@ -47,6 +53,8 @@ const std::vector<Case> kRoughCases = {
     {"plastic, coat alpha 0.1", coated(MaterialKind::plastic, 0.1F, 1.5F, 1)},
     {"plastic, coat alpha 0.6", coated(MaterialKind::plastic, 0.6F, 1.7F, 1)},
     {"coated metal, coat alpha 0.2", coated(MaterialKind::coated_metal, 0.2F, 1.5F, 0.4F)},
+    {"mirror, regularised", regularised(MaterialKind::mirror, 0.1F, 1)},
+    {"smooth glass, regularised", regularised(MaterialKind::smooth_dielectric, 0.1F, 1.5F)},
 };
 constexpr float kViewCosines[] = {0.95F, 0.6F, 0.25F};
 

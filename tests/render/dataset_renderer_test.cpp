@@ -5,11 +5,13 @@
 
 #include <chrono>
 #include <csignal>
+#include <sstream>
 #include <thread>
 
 #include "core/file_io.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
+#include "metrics/metric.h"
 #include "render/image_renderer.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/run_program.h"
@@ -64,6 +66,13 @@ TEST(Recipe, NamesWhatIsWrong) {
   EXPECT_ERROR(read("scenes: {objects: [9, 3]}"), "swap");
   EXPECT_ERROR(read("frames: {train: 0, validation: 0, test: 0}"), "at least one frame");
   EXPECT_ERROR(read_recipe(folder / "none.yaml", {}, {}), "none.yaml");
+  EXPECT_ERROR(read("path_regularisation: 1.5"), "path_regularisation: expected a number from 0 to 1");
+  EXPECT_ERROR(read("indirect_clamp: -1"), "indirect_clamp: expected a number from 0");
+  EXPECT_ERROR(read("reference_estimator: median"), "reference_estimator: expected one of");
+  EXPECT_ERROR(read("reference_estimator: robust"), "even number of at least 6");
+  EXPECT_ERROR(read("reference_parts: 3"), "expected 1 or an even number, found 3");
+  EXPECT_ERROR(read("reference_parts: 12"),
+               "reference_spp.train: expected a multiple of reference_parts (12), found 1024");
 }
 
 TEST(Recipe, FrameRanges) {
@@ -87,6 +96,24 @@ TEST(Recipe, ShippedRecipesAreValid) {
   EXPECT_EQ(paper.frames.validation, 128);
   EXPECT_EQ(paper.reference_spp.train, 4096);
   EXPECT_EQ(paper.width(), 256);
+
+  const Recipe benchmark = read_recipe(std::string(LD_SOURCE_DIR) + "/data/recipes/benchmark.yaml", {}, {});
+  EXPECT_EQ(benchmark.frame_count(), 12);
+  EXPECT_EQ(benchmark.split(0), "test");
+  EXPECT_EQ(benchmark.reference_spp_of(0), 4096);
+  EXPECT_EQ(benchmark.reference_estimator, "robust");
+  int defocus = 0, motion_blur = 0, rooms = 0;
+  for (uint32_t frame = 0; frame < 12; ++frame) {
+    const auto prepared =
+        prepare_random_scene(benchmark.scenes, benchmark.seed, frame, benchmark.width(), benchmark.height());
+    const Scene& scene = prepared->scene();
+    rooms += scene.name.rfind("indoor", 0) == 0 ? 1 : 0;
+    defocus += scene.camera.lens_radius > 0 ? 1 : 0;
+    motion_blur += scene.camera.shutter ? 1 : 0;
+  }
+  EXPECT_EQ(rooms, 6);
+  EXPECT_EQ(defocus, 6);
+  EXPECT_EQ(motion_blur, 6);
 }
 
 TEST(DatasetRenderer, PiecesEqualTheWholeBitForBit) {
@@ -130,6 +157,47 @@ TEST(DatasetRenderer, AnotherRecipesFolderIsAnError) {
   recipe.seed = 2;
   EXPECT_ERROR(render_dataset(recipe, folder / "data", 1, 2, 2), "another recipe");
   EXPECT_FALSE(std::filesystem::exists(frame_path(folder / "data", frame_name(1))));
+}
+
+TEST(DatasetRenderer, FoldersFromBeforeARecipeKeyAreFinished) {
+  const TemporaryFolder folder;
+  Recipe recipe = small_recipe();
+  Manifest before;
+  before.seed = recipe.seed;
+  std::istringstream lines(config_to_yaml(recipe));
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("path_", 0) != 0 && line.rfind("indirect_", 0) != 0 &&
+        line.rfind("reference_estimator", 0) != 0 && line.rfind("reference_parts", 0) != 0)
+      before.recipe += line + "\n";
+  ASSERT_NE(before.recipe, config_to_yaml(recipe));
+  add_to_manifest(folder / "data", before);
+  EXPECT_EQ(render_dataset(recipe, folder / "data", 0, 1, 2).rendered, 1);
+  EXPECT_EQ(read_manifest(folder / "data").recipe, before.recipe);
+  EXPECT_EQ(render_dataset(recipe, folder / "data", 0, 1, 2).present, 1);
+  recipe.path_regularisation = 0.2;
+  EXPECT_ERROR(render_dataset(recipe, folder / "data", 1, 2, 2), "another recipe");
+}
+
+TEST(DatasetRenderer, ReferencesInPartsKnowTheirFloor) {
+  const TemporaryFolder folder;
+  Recipe recipe = small_recipe();
+  recipe.reference_spp = {24, 24, 24, 1};
+  render_dataset(recipe, folder / "plain", 0, 1, 1);
+  recipe.reference_parts = 6;
+  recipe.reference_estimator = "robust";
+  recipe.path_regularisation = 0.3;
+  recipe.indirect_clamp = 5;
+  render_dataset(recipe, folder / "one", 0, 2, 1);
+  render_dataset(recipe, folder / "three", 0, 2, 3);
+  ReferenceFloor floor;
+  read_image(reference_path(folder / "plain", frame_name(0)), nullptr, &floor);
+  EXPECT_TRUE(floor.empty());
+  read_image(reference_path(folder / "one", frame_name(0)), nullptr, &floor);
+  EXPECT_EQ(floor.size(), metrics().size());
+  EXPECT_GT(floor.at("relmse"), 0);
+  EXPECT_LT(floor.at("ssim"), 1);
+  for (int64_t frame = 0; frame < 2; ++frame)
+    EXPECT_EQ(bytes(folder / "one", frame), bytes(folder / "three", frame));
 }
 
 TEST(DatasetRenderer, FilesHoldWhatWasRendered) {
