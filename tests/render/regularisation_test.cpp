@@ -170,7 +170,9 @@ TEST(IndirectClamp, BoundsWhatCameOverTwoBouncesOnly) {
   const PreparedScene mirror(looking);
   tight.max_bounces = loose.max_bounces = 2;
   for (uint32_t i = 0; i < 64; ++i) {
-    const CameraSample middle = {static_cast<float>(i % 8) + 0.5F, static_cast<float>(i / 8) + 0.5F};
+    CameraSample middle;
+    middle.x = static_cast<float>(i % 8) + 0.5F;
+    middle.y = static_cast<float>(i / 8) + 0.5F;
     const Ray ray = mirror.scene().camera.ray(middle);
     const auto first = mirror.trace(ray, 0);
     if (!first || first->object != 1) continue;

@@ -60,7 +60,9 @@ TEST(RobustMean, BecomesTheMeanWhereTailsAreLight) {
       });
       const double difference = robust_mean(means)[0] - plain_mean(means)[0];
       error += difference * difference / 200;
-      if (count == 1024) EXPECT_EQ(difference, 0);
+      if (count == 1024) {
+        EXPECT_EQ(difference, 0);
+      }
     }
     EXPECT_LE(std::sqrt(error), 0.5 * error_before);
     error_before = std::sqrt(error);
