@@ -113,6 +113,8 @@ void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
   command.add_option("--crop", loader.crop, "side of the crops, pixels")->capture_default_str();
   command.add_option("--batch", loader.batch, "crops a step")->capture_default_str();
   command.add_option("--workers", loader.workers, "threads that prepare batches")->capture_default_str();
+  command.add_option("--samples", loader.samples, "LEAST MOST: samples that a batch draws (default: all)")
+      ->expected(2);
   command.add_option("--epochs", loader.epochs, "of each measurement")
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();

@@ -16,6 +16,7 @@ struct Options {
   std::string model, output, frames, preset, mapping, camera;
   std::vector<std::string> inputs, assignments, aovs, kernels_at;
   int64_t max_memory = 0;  // MB
+  int samples = 0;
   bool skip_existing = false, full_float = false, allow_identical = false;
 };
 
@@ -29,6 +30,8 @@ void declare(CLI::App& app, Options& o) {
                  "picture to write (.exr, .png), with #### for a sequence; a folder for several inputs")
       ->required();
   app.add_option("--frames", o.frames, "A:B denoises frames A to B - 1 (default: all that there are)");
+  app.add_option("--samples", o.samples, "only the first so many samples of each frame (default: all)")
+      ->check(CLI::Range(1, 4096));
   app.add_flag("--skip-existing", o.skip_existing, "leave pictures alone that are there already");
   app.add_option("--max-memory", o.max_memory, "MB that the process may take, the samples of the input aside")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
@@ -78,6 +81,7 @@ ld::DenoiseJob job_of(const Options& o) {
   if (!o.frames.empty()) range = ld::parse_frame_range(o.frames);
   job.tasks = ld::plan_sequence(o.inputs, o.output, range, job.render.mapping.has_value());
   job.max_memory_bytes = o.max_memory << 20;
+  job.samples = o.samples;
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;
   const auto wants = [&](const char* part) { return std::count(o.aovs.begin(), o.aovs.end(), part) > 0; };

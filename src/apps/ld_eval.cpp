@@ -18,6 +18,7 @@ struct Options {
   std::string data, out, split = "test", baseline;
   std::vector<std::string> models, images;
   size_t frames_limit = 0;
+  int samples = 0;
   bool per_frame = false;
   ld::ReportOptions report;
 };
@@ -34,6 +35,8 @@ void declare(CLI::App& app, Options& options) {
                  "what the others are compared with (default: the first given)");
   app.add_option("--frames-limit", options.frames_limit, "only the first so many frames (default: all)")
       ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--samples", options.samples, "only the first so many samples of each frame (default: all)")
+      ->check(CLI::Range(1, 4096));
   app.add_flag("--per-frame", options.per_frame, "also print a row for each frame");
   app.add_option("--report-frames", options.report.frames, "pictures of so many frames go into report.html")
       ->check(CLI::Range(0, 1'000'000))
@@ -66,7 +69,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> features = {"radiance"};
     const std::vector<ld::LoadedModel> models = ld::load_models(arguments, features);
     const ld::FrameSet frames =
-        ld::open_frame_set(options.data, options.split, features, options.frames_limit);
+        ld::open_frame_set(options.data, options.split, features, options.frames_limit, options.samples);
     std::vector<ld::Method> methods;
     if (!models.empty()) {
       const ld::Frame first = frames.load(0).frame;
@@ -91,6 +94,7 @@ int main(int argc, char** argv) {
     }
     evaluation->data = options.data;
     evaluation->split = options.split;
+    evaluation->samples = options.samples;
     evaluation->baseline = options.baseline;
     std::cout << ld::results_text(*evaluation, options.per_frame) << std::flush;
     results.write(*evaluation);

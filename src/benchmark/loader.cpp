@@ -63,6 +63,7 @@ TrainConfig config_of(const LoaderBench& options, const std::string& file, const
   config.data.cache = cache.string();
   config.data.batch = options.batch;
   config.data.workers = options.workers;
+  config.data.samples = options.samples;
   return config;
 }
 
@@ -122,9 +123,13 @@ nlohmann::ordered_json touch_pages(const TrainConfig& config) {
     const std::shared_ptr<const PackedFrame> frame = store.get(i);
     RandomStream stream(config.seed, RandomPurpose::test, static_cast<uint32_t>(i));
     const Augmentation crop = random_augmentation(stream, *frame, augmentation);
-    make_batch({{store.get_intact(i, frame, crop.tiles()), crop}}, config.network.features);
+    const SampleRange range = sample_range(config.data);
+    const SampleList samples =
+        range.all() ? SampleList() : draw_samples(stream, frame->spp, draw_sample_count(stream, range));
+    const FrameCrop drawn = {store.get_intact(i, frame, crop.tiles(), samples), crop, samples};
+    make_batch({drawn}, config.network.features);
     const size_t bytes = 2 * frame->tiles() * frame->tile_samples();
-    wanted += 2.0 * crop.width * crop.height * frame->spp * frame->channels();
+    wanted += 2.0 * crop.width * crop.height * static_cast<double>(drawn.sample_count()) * frame->channels();
     touched += resident_bytes(frame->samples, bytes);
     whole += static_cast<double>(bytes);
   }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <vector>
 
 namespace ld {
 
@@ -13,6 +14,7 @@ struct LoaderBench {
   std::string training = "configs/quick.yaml";  // trained on it for some epochs
   std::string network = "configs/layer.yaml";   // one training step of it is what a batch is compared with
   int64_t crop = 128, batch = 4, workers = 2;   // as in the data: section of a config
+  std::vector<int64_t> samples = {};            // data.samples of a config
   int64_t epochs = 4;                           // of each measurement, the first of them with an empty cache
 };
 

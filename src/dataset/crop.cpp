@@ -123,12 +123,13 @@ std::vector<Source> sources_of(const PackedFrame& frame, const std::vector<std::
 class CropReader {
  public:
   CropReader(const PackedFrame& frame, const Augmentation& a, const std::vector<std::string>& features,
-             const CropPlanes& planes)
+             const CropPlanes& planes, const SampleList& samples)
       : frame_(frame),
         a_(a),
         map_(a, frame),
         planes_(planes),
         sources_(sources_of(frame, features)),
+        samples_(frame.chosen(samples)),
         own_table_(a.exposure == 1 ? nullptr : std::make_unique<ToneMapTable>(a.exposure)),
         table_(own_table_ ? *own_table_ : ToneMapTable::unexposed()),
         plane_(static_cast<size_t>(a.width) * static_cast<size_t>(a.height)),
@@ -145,10 +146,11 @@ class CropReader {
     const uint8_t* valid = frame_.valid + tile * frame_.tile_valid();
     features_out_ = planes_.features;
     radiance_out_ = planes_.radiance;
-    for (int s = 0; s < frame_.spp; ++s) {
-      read_sample(samples + static_cast<size_t>(s) * values_.size());
+    for (size_t i = 0; i < samples_.size(); ++i) {
+      const auto s = static_cast<size_t>(samples_[i]);
+      read_sample(samples + s * values_.size());
       std::copy_n(valid + s * kTilePixels, kTilePixels, encoded_.begin());
-      put(encoded_.data(), planes_.valid + static_cast<size_t>(s) * plane_);
+      put(encoded_.data(), planes_.valid + i * plane_);
     }
     for (int c = 0; c < 3; ++c)
       put_exposed(frame_.reference + tile * PackedFrame::kTileReference + c * kTilePixels,
@@ -192,6 +194,7 @@ class CropReader {
   const PixelMap map_;
   const CropPlanes planes_;
   const std::vector<Source> sources_;
+  const SampleList samples_;
   const std::unique_ptr<ToneMapTable> own_table_;
   const ToneMapTable& table_;
   const size_t plane_;         // floats of a plane of the result
@@ -204,8 +207,9 @@ class CropReader {
 }  // namespace
 
 void read_crop(const PackedFrame& frame, const Augmentation& augmentation,
-               const std::vector<std::string>& features, const CropPlanes& planes) {
-  CropReader reader(frame, augmentation, features, planes);
+               const std::vector<std::string>& features, const CropPlanes& planes,
+               const SampleList& samples) {
+  CropReader reader(frame, augmentation, features, planes, samples);
   const TileRange range = augmentation.tiles();
   for (int y = range.y0; y < range.y1; ++y)
     for (int x = range.x0; x < range.x1; ++x) reader.read(x, y);

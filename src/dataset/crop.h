@@ -12,15 +12,16 @@ namespace ld {
 
 /// Where a crop goes: planes of result_height x result_width floats, all of which are written.
 struct CropPlanes {
-  float* features;   // [spp, channels of the features, H, W] encoded (frame/encoding.h)
-  float* radiance;   // [spp, 3, H, W] linear
-  float* valid;      // [spp, 1, H, W] 1 or 0; where 0, features and radiance are 0
+  float* features;   // [samples, channels of the features, H, W] encoded (frame/encoding.h)
+  float* radiance;   // [samples, 3, H, W] linear
+  float* valid;      // [samples, 1, H, W] 1 or 0; where 0, features and radiance are 0
   float* reference;  // [3, H, W] linear
 };
 
-/// `features` in the network's order, all held by the frame. Throws Error when the crop does not lie inside
-/// the frame or a feature is not held.
+/// `features` in the network's order, all held by the frame; of the frame's samples only those in `samples`.
+/// Throws Error when the crop does not lie inside the frame or a feature or a sample is not held.
 void read_crop(const PackedFrame& frame, const Augmentation& augmentation,
-               const std::vector<std::string>& features, const CropPlanes& planes);
+               const std::vector<std::string>& features, const CropPlanes& planes,
+               const SampleList& samples = {});
 
 }  // namespace ld

@@ -23,7 +23,7 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kFormat = "ld-cache 1";
+constexpr const char* kFormat = "ld-cache 2";
 
 std::string file_state(const fs::path& path, const std::string& checksum) {
   struct stat status = {};
@@ -34,10 +34,10 @@ std::string file_state(const fs::path& path, const std::string& checksum) {
 
 /// Of all that is not covered by the tiles' checksums.
 std::string index_checksum(const PackedFrame& frame) {
-  const std::string index =
-      fmt::format("{} x {}, {} spp, depth scale {}, {} {}", frame.width, frame.height, frame.spp,
-                  frame.depth_scale, checksum(frame.checksums, frame.tiles() * 3 * sizeof(int64_t)),
-                  checksum(frame.difficulty, frame.tiles() * sizeof(float)));
+  const std::string index = fmt::format(
+      "{} x {}, {} spp, depth scale {}, {} {}", frame.width, frame.height, frame.spp, frame.depth_scale,
+      checksum(frame.checksums, frame.tiles() * frame.tile_checksums() * sizeof(int64_t)),
+      checksum(frame.difficulty, frame.tiles() * sizeof(float)));
   return checksum_text(index.data(), index.size());
 }
 
@@ -49,7 +49,7 @@ std::vector<TensorView> tensors_of(const PackedFrame& frame) {
     for (const int64_t size : shape) bytes *= static_cast<size_t>(size);
     return TensorView{name, type, std::move(shape), data, bytes};
   };
-  return {view("checksums", DType::i64, {tiles, 3}, frame.checksums),
+  return {view("checksums", DType::i64, {tiles, 2 * spp + 1}, frame.checksums),
           view("difficulty", DType::f32, {tiles}, frame.difficulty),
           view("reference", DType::f32, {tiles, 3, side, side}, frame.reference),
           view("samples", DType::f16, {tiles, spp, frame.channels(), side, side}, frame.samples),
@@ -187,7 +187,7 @@ bool FrameCache::write(const std::string& name, const std::string& source, const
   }
 }
 
-void read_ahead(const PackedFrame& frame, const TileRange& range) {
+void read_ahead(const PackedFrame& frame, const TileRange& range, const SampleList& samples) {
   constexpr size_t kChunk = size_t{128}
                             << 10;  // Linux ignores what goes beyond a disk's read-ahead in one call
   const auto read_tiles = [&](const void* tensor, size_t first, size_t tiles, size_t tile_bytes) {
@@ -195,10 +195,18 @@ void read_ahead(const PackedFrame& frame, const TileRange& range) {
     for (size_t at = 0; at < tiles * tile_bytes; at += kChunk)
       advise(data + at, std::min(kChunk, tiles * tile_bytes - at), MADV_WILLNEED);
   };
-  const auto columns = static_cast<size_t>(range.x1 - range.x0);
+  const auto columns = static_cast<size_t>(range.x1 - range.x0), spp = static_cast<size_t>(frame.spp);
+  const SampleList list = frame.chosen(samples);
+  const size_t sample_bytes = sizeof(uint16_t) * frame.tile_samples() / spp;
   for (int y = range.y0; y < range.y1; ++y) {
     const auto first = static_cast<size_t>(y * frame.tiles_x() + range.x0);
-    read_tiles(frame.samples, first, columns, 2 * frame.tile_samples());
+    if (list.size() == spp)
+      read_tiles(frame.samples, first, columns, spp * sample_bytes);
+    else
+      for (size_t tile = first; tile < first + columns; ++tile)
+        for (const int s : list)
+          read_tiles(frame.samples, tile * spp + static_cast<size_t>(s), 1, sample_bytes);
+    // The masks of a tile lie on the same page or two.
     read_tiles(frame.valid, first, columns, frame.tile_valid());
     read_tiles(frame.reference, first, columns, sizeof(float) * PackedFrame::kTileReference);
   }

@@ -45,7 +45,8 @@ class FrameCache {
   std::atomic<bool> writable_{true};
 };
 
-/// Starts reading the tiles of a mapped frame from the disk, all at once rather than page by page.
-void read_ahead(const PackedFrame& frame, const TileRange& range);
+/// Starts reading these samples of the tiles of a mapped frame from the disk, all at once rather than page by
+/// page.
+void read_ahead(const PackedFrame& frame, const TileRange& range, const SampleList& samples);
 
 }  // namespace ld

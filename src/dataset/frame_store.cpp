@@ -45,6 +45,7 @@ FrameStore::FrameStore(fs::path data_set, const std::string& split, std::vector<
     entry->frame = std::move(frame);
     entry->width = header.width;
     entry->height = header.height;
+    entry->spp = header.spp;
     entries_.push_back(std::move(entry));
   }
   if (options.folder != "none")
@@ -60,14 +61,14 @@ std::shared_ptr<const PackedFrame> FrameStore::get(size_t index) {
 
 std::shared_ptr<const PackedFrame> FrameStore::get_intact(size_t index,
                                                           const std::shared_ptr<const PackedFrame>& frame,
-                                                          const TileRange& range) {
+                                                          const TileRange& range, const SampleList& samples) {
   if (!cache_) return frame;
-  read_ahead(*frame, range);
-  if (frame->intact(range)) return frame;
+  read_ahead(*frame, range, samples);
+  if (frame->intact(range, samples)) return frame;
   Entry& entry = *entries_[index];
   const std::lock_guard<std::mutex> lock(entry.mutex);
   // Another thread may have made it again meanwhile.
-  if (auto again = read(entry); again->intact(range)) return again;
+  if (auto again = read(entry); again->intact(range, samples)) return again;
   const fs::path path = cache_->path(entry.frame.name);
   spdlog::warn("damaged cache file, made again: {}: samples do not match their checksum", path.string());
   fs::remove(path);

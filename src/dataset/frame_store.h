@@ -35,21 +35,22 @@ class FrameStore {
   const std::string& name(size_t index) const { return entries_[index]->frame.name; }
   int width(size_t index) const { return entries_[index]->width; }
   int height(size_t index) const { return entries_[index]->height; }
+  int spp(size_t index) const { return entries_[index]->spp; }
 
   /// The frame, from its cache file or memory, else from its EXRs (then verified against their checksums and
   /// faults logged). Safe to call from several threads. Throws Error: a file that is missing, damaged or not
   /// what its checksum says, a reference of another size.
   std::shared_ptr<const PackedFrame> get(size_t index);
 
-  /// get() with the tiles checked that a crop will read: where the cache file is damaged there, it is made
-  /// again.
+  /// get() with the samples of the tiles checked that a crop will read: where the cache file is damaged
+  /// there, it is made again. Other samples are not read.
   std::shared_ptr<const PackedFrame> get_intact(size_t index, const std::shared_ptr<const PackedFrame>& frame,
-                                                const TileRange& range);
+                                                const TileRange& range, const SampleList& samples = {});
 
  private:
   struct Entry {
     ManifestFrame frame;
-    int width = 0, height = 0;
+    int width = 0, height = 0, spp = 0;
     std::mutex mutex;  // of what follows, and of the cache file
     std::shared_ptr<const PackedFrame> memory;
   };

@@ -107,11 +107,12 @@ Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::str
   if (crops.empty()) fail("a batch needs at least one crop, found none");
   const int width = crops[0].augmentation.result_width(), height = crops[0].augmentation.result_height();
   int spp = 0;
-  for (const auto& [frame, augmentation] : crops) {
+  for (const FrameCrop& crop : crops) {
+    const Augmentation& augmentation = crop.augmentation;
     if (augmentation.result_width() != width || augmentation.result_height() != height)
       fail("crops of one batch must have one size, found {}x{} and {}x{}", width, height,
            augmentation.result_width(), augmentation.result_height());
-    spp = std::max(spp, frame->spp);
+    spp = std::max(spp, static_cast<int>(crop.sample_count()));
   }
   const auto count = static_cast<int64_t>(crops.size());
   const int channels = channel_count(features);
@@ -129,8 +130,8 @@ Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::str
     const CropPlanes planes = {planes_of(batch.input.features, channels), planes_of(batch.input.radiance, 3),
                                planes_of(batch.input.valid, 1),
                                batch.reference.data_ptr<float>() + b * 3 * pixels};
-    read_crop(*crops[b].frame, crops[b].augmentation, features, planes);
-    const auto drawn = static_cast<size_t>(crops[b].frame->spp), missing = static_cast<size_t>(spp) - drawn;
+    read_crop(*crops[b].frame, crops[b].augmentation, features, planes, crops[b].samples);
+    const size_t drawn = crops[b].sample_count(), missing = static_cast<size_t>(spp) - drawn;
     for (const auto& [plane, count_of_planes] :
          {std::pair(planes.features, channels), std::pair(planes.radiance, 3), std::pair(planes.valid, 1)})
       std::fill_n(plane + drawn * static_cast<size_t>(count_of_planes) * pixels,

@@ -38,10 +38,13 @@ struct Batch {
   torch::Tensor reference;  // [B, 3, H, W] linear
 };
 
-/// A crop and the frame that it is of.
+/// A crop, the frame that it is of, and which of the frame's samples it reads.
 struct FrameCrop {
   std::shared_ptr<const PackedFrame> frame;
   Augmentation augmentation;
+  SampleList samples = {};
+
+  size_t sample_count() const { return samples.empty() ? static_cast<size_t>(frame->spp) : samples.size(); }
 };
 
 /// Reads the crops (dataset/crop.h), filled up with samples that are not valid as above. Runs on the calling

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/checksum.h"
 #include "core/error.h"
@@ -17,16 +18,22 @@ struct Buffers {
   std::vector<int64_t> checksums;
 };
 
-struct Checksums {
-  int64_t samples, valid, reference;
-};
+/// Of the `index`th run of `count` values.
+template <class Value>
+int64_t checksum_of(const Value* data, size_t index, size_t count) {
+  return static_cast<int64_t>(checksum(data + index * count, count * sizeof(Value)));
+}
 
-Checksums tile_checksums(const PackedFrame& frame, size_t tile) {
-  const auto of = [&](const auto* data, size_t count) {
-    return static_cast<int64_t>(checksum(data + tile * count, count * sizeof(*data)));
-  };
-  return {of(frame.samples, frame.tile_samples()), of(frame.valid, frame.tile_valid()),
-          of(frame.reference, PackedFrame::kTileReference)};
+int64_t sample_checksum(const PackedFrame& frame, size_t sample_of_tile) {
+  return checksum_of(frame.samples, sample_of_tile, static_cast<size_t>(frame.channels()) * kTilePixels);
+}
+
+int64_t mask_checksum(const PackedFrame& frame, size_t sample_of_tile) {
+  return checksum_of(frame.valid, sample_of_tile, kTilePixels);
+}
+
+int64_t reference_checksum(const PackedFrame& frame, size_t tile) {
+  return checksum_of(frame.reference, tile, PackedFrame::kTileReference);
 }
 
 /// Copies the tile at (x0, y0) of a picture into kTileSide x kTileSide values, 0 outside of the picture.
@@ -65,14 +72,31 @@ float smape_of_tile(const float* radiance, const uint8_t* valid, int spp, size_t
 
 }  // namespace
 
-bool PackedFrame::intact(const TileRange& range) const {
+SampleList PackedFrame::chosen(const SampleList& which) const {
+  SampleList list = which;
+  if (list.empty()) {
+    list.resize(static_cast<size_t>(spp));
+    std::iota(list.begin(), list.end(), 0);
+  }
+  for (const int s : list)
+    if (s < 0 || s >= spp) fail("a packed frame of {} samples has no sample {}", spp, s);
+  return list;
+}
+
+bool PackedFrame::intact(const TileRange& range, const SampleList& which) const {
+  const SampleList list = chosen(which);
+  const auto all = static_cast<size_t>(spp);
   for (int y = range.y0; y < range.y1; ++y)
     for (int x = range.x0; x < range.x1; ++x) {
       const size_t tile = static_cast<size_t>(y) * static_cast<size_t>(tiles_x()) + static_cast<size_t>(x);
-      const Checksums found = tile_checksums(*this, tile);
-      const int64_t* stored = checksums + 3 * tile;
-      if (found.samples != stored[0] || found.valid != stored[1] || found.reference != stored[2])
-        return false;
+      const int64_t* stored = checksums + tile * tile_checksums();
+      for (const int sample : list) {
+        const auto s = static_cast<size_t>(sample);
+        if (sample_checksum(*this, tile * all + s) != stored[s] ||
+            mask_checksum(*this, tile * all + s) != stored[all + s])
+          return false;
+      }
+      if (reference_checksum(*this, tile) != stored[2 * all]) return false;
     }
   return true;
 }
@@ -132,8 +156,10 @@ PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features
   packed.reference = buffers->reference.data();
   packed.difficulty = buffers->difficulty.data();
   for (size_t tile = 0; tile < packed.tiles(); ++tile) {
-    const Checksums sums = tile_checksums(packed, tile);
-    buffers->checksums.insert(buffers->checksums.end(), {sums.samples, sums.valid, sums.reference});
+    const auto all = static_cast<size_t>(packed.spp);
+    for (size_t s = 0; s < all; ++s) buffers->checksums.push_back(sample_checksum(packed, tile * all + s));
+    for (size_t s = 0; s < all; ++s) buffers->checksums.push_back(mask_checksum(packed, tile * all + s));
+    buffers->checksums.push_back(reference_checksum(packed, tile));
   }
   packed.checksums = buffers->checksums.data();
   packed.memory = buffers;

@@ -22,6 +22,9 @@ struct TileRange {
   int x0, y0, x1, y1;
 };
 
+/// Samples of a frame by their numbers, ascending; empty: all of them.
+using SampleList = std::vector<int>;
+
 struct PackedFrame {
   int width = 0, height = 0, spp = 0;
   std::vector<std::string> features;  // held, in the order of the schema; radiance is the first
@@ -32,7 +35,7 @@ struct PackedFrame {
   const uint8_t* valid = nullptr;      // [tiles, spp, kTileSide, kTileSide]; the channels of 0s are 0
   const float* reference = nullptr;    // [tiles, 3, kTileSide, kTileSide] linear
   const float* difficulty = nullptr;   // [tiles], see pack()
-  const int64_t* checksums = nullptr;  // [tiles, 3] of samples, valid and reference
+  const int64_t* checksums = nullptr;  // [tiles, 2 spp + 1] of each sample, each mask and the reference
   std::shared_ptr<const void> memory;  // keeps all these alive
 
   int channels() const { return channel_count(features); }
@@ -42,10 +45,12 @@ struct PackedFrame {
   size_t tile_samples() const { return static_cast<size_t>(spp * channels()) * kTilePixels; }
   size_t tile_valid() const { return static_cast<size_t>(spp) * kTilePixels; }
   static constexpr size_t kTileReference = size_t{3} * kTilePixels;
+  size_t tile_checksums() const { return static_cast<size_t>(2 * spp + 1); }
 
   /// Of all that the pointers point to.
   size_t bytes() const {
-    return tiles() * (2 * tile_samples() + tile_valid() + 4 * kTileReference + sizeof(float) + 24);
+    return tiles() * (2 * tile_samples() + tile_valid() + 4 * kTileReference + sizeof(float) +
+                      sizeof(int64_t) * tile_checksums());
   }
 
   /// The tiles that a rectangle of pixels touches.
@@ -54,8 +59,11 @@ struct PackedFrame {
             (y + rectangle_height + kTileSide - 1) / kTileSide};
   }
 
-  /// Whether these tiles have their checksums; reads nothing else.
-  bool intact(const TileRange& range) const;
+  /// The list with `all` spelt out. Throws Error for a sample that the frame does not have.
+  SampleList chosen(const SampleList& which) const;
+
+  /// Whether these samples of these tiles, and the reference, have their checksums; reads nothing else.
+  bool intact(const TileRange& range, const SampleList& which = {}) const;
 };
 
 /// Packs the named features, radiance always, of a sanitised frame, in memory. The difficulty of a tile is

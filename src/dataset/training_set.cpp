@@ -1,9 +1,15 @@
 #include "dataset/training_set.h"
 
+#include <fmt/ranges.h>
+
 #include "core/error.h"
 
 namespace ld {
 namespace {
+
+/// Streams of their own beside that of a slot's position and turn, which are then those of a training with
+/// all samples.
+constexpr uint32_t kWhich = 1, kHowMany = 2;
 
 EpochPlan make_plan(const std::vector<WeightedStore>& sets, uint64_t seed) {
   std::vector<size_t> frames;
@@ -29,7 +35,7 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
       options_(options),
       part_(batch_part(options.batch, options.rank, options.processes)),
       plan_(make_plan(sets_, options.seed)),
-      batches_([this](int64_t step) { return make(step); }, options.workers) {
+      batches_([this](int64_t step) { return batch_with(step, sample_count(step)); }, options.workers) {
   if (options_.batch < options_.processes)
     fail_usage(
         "data.batch: {} crops a step cannot be split over {} processes; set data.batch={} or more, or start "
@@ -48,15 +54,29 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
             "data.crop: frame {} has {}x{} pixels, smaller than the crop of {}; set data.crop={} or less",
             set.store->name(i), set.store->width(i), set.store->height(i), crop,
             std::min(set.store->width(i), set.store->height(i)));
+  for (const WeightedStore& set : sets_)
+    for (size_t i = 0; i < set.store->size(); ++i)
+      if (set.store->spp(i) < options_.samples.least)
+        fail_usage(
+            "data.samples: frame {} has {} samples a pixel, fewer than the {} that every batch uses; render "
+            "more, or let data.samples begin at {} or less",
+            set.store->name(i), set.store->spp(i), options_.samples.least, set.store->spp(i));
 }
 
-Batch TrainingSet::make(int64_t step) const {
+int TrainingSet::sample_count(int64_t step) const {
+  if (options_.samples.all()) return 0;
+  RandomStream stream(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step), 0, kHowMany);
+  return draw_sample_count(stream, options_.samples);
+}
+
+Batch TrainingSet::batch_with(int64_t step, int samples) const {
   const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(step / steps_per_epoch()));
   const auto first = static_cast<size_t>(step % steps_per_epoch() * options_.batch);
   std::vector<FrameCrop> crops;
   // The number of the slot in the whole batch decides its crop, whoever reads it.
   const auto begin = static_cast<size_t>(part_.first), end = begin + static_cast<size_t>(part_.count);
-  for (size_t slot = begin; slot < end; ++slot) crops.push_back(draw_crop(epoch[first + slot], step, slot));
+  for (size_t slot = begin; slot < end; ++slot)
+    crops.push_back(draw_crop(epoch[first + slot], step, slot, samples));
   return make_batch(crops, features_);
 }
 
@@ -66,24 +86,30 @@ std::string TrainingSet::describe(int64_t first, int64_t count) const {
     const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(step / steps_per_epoch()));
     for (size_t slot = 0; slot < static_cast<size_t>(options_.batch); ++slot) {
       const FrameRef ref = epoch[static_cast<size_t>(step % steps_per_epoch() * options_.batch) + slot];
-      const Augmentation crop = draw_crop(ref, step, slot).augmentation;
+      const FrameCrop drawn = draw_crop(ref, step, slot, sample_count(step));
+      const Augmentation& crop = drawn.augmentation;
       text +=
           fmt::format("{}{} at {},{}{}{}{}", text.empty() ? "" : "; ", sets_[ref.set].store->name(ref.frame),
                       crop.x, crop.y, crop.flip_x ? " flipped in x" : "", crop.flip_y ? " flipped in y" : "",
                       crop.quarter_turns > 0 ? fmt::format(" turned {}", 90 * crop.quarter_turns) : "");
       if (options_.augmentation.exposure > 0) text += fmt::format(" times {:.4g}", crop.exposure);
+      if (!drawn.samples.empty()) text += fmt::format(" of samples {}", fmt::join(drawn.samples, " "));
     }
   }
   return text;
 }
 
-FrameCrop TrainingSet::draw_crop(const FrameRef& ref, int64_t step, size_t slot) const {
+FrameCrop TrainingSet::draw_crop(const FrameRef& ref, int64_t step, size_t slot, int samples) const {
   RandomStream stream(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
                       static_cast<uint32_t>(slot));
   FrameStore& store = *sets_[ref.set].store;
   const std::shared_ptr<const PackedFrame> frame = store.get(ref.frame);
   const Augmentation augmentation = random_augmentation(stream, *frame, options_.augmentation);
-  return {store.get_intact(ref.frame, frame, augmentation.tiles()), augmentation};
+  RandomStream which(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
+                     static_cast<uint32_t>(slot), kWhich);
+  SampleList drawn = samples == 0 ? SampleList() : draw_samples(which, frame->spp, samples);
+  auto checked = store.get_intact(ref.frame, frame, augmentation.tiles(), drawn);
+  return {std::move(checked), augmentation, std::move(drawn)};
 }
 
 }  // namespace ld

@@ -12,11 +12,13 @@
 #include "dataset/frame_store.h"
 #include "dataset/network_input.h"
 #include "dataset/prefetch.h"
+#include "dataset/sample_draw.h"
 
 namespace ld {
 
 struct TrainingSetOptions {
   AugmentationOptions augmentation;
+  SampleRange samples;  // how many of a frame's samples a batch uses (dataset/sample_draw.h)
   int64_t batch = 4;
   uint64_t seed = 1;
   int workers = 2;  // threads that prepare batches ahead of their use; 0: each when it is asked for
@@ -37,8 +39,8 @@ struct WeightedStore {
 
 class TrainingSet {
  public:
-  /// Throws UsageError when there are fewer frames than a batch, a frame is smaller than the crop or there
-  /// are more processes than crops in a batch.
+  /// Throws UsageError when there are fewer frames than a batch, a frame is smaller than the crop or has
+  /// fewer samples than `samples.least`, or there are more processes than crops in a batch.
   TrainingSet(std::vector<WeightedStore> sets, std::vector<std::string> features, TrainingSetOptions options);
 
   /// What does not fill a batch at the end of an epoch is left out of it.
@@ -46,6 +48,9 @@ class TrainingSet {
 
   /// This process's part of the batch of a step, from 0. Throws what went wrong with it: Error for bad data.
   Batch batch(int64_t step) { return batches_.get(step); }
+
+  /// That batch as it would be with `samples` samples, made on the calling thread: for estimates.
+  Batch batch_with(int64_t step, int samples) const;
 
   /// The part's crops divided by those of the whole batch. The mean loss over the whole batch is the sum over
   /// the processes of the mean over each one's part times this.
@@ -57,8 +62,8 @@ class TrainingSet {
   std::string describe(int64_t first, int64_t count) const;
 
  private:
-  Batch make(int64_t step) const;
-  FrameCrop draw_crop(const FrameRef& ref, int64_t step, size_t slot) const;
+  int sample_count(int64_t step) const;
+  FrameCrop draw_crop(const FrameRef& ref, int64_t step, size_t slot, int samples) const;
 
   std::vector<WeightedStore> sets_;
   std::vector<std::string> features_;

@@ -40,6 +40,7 @@ struct MethodScores {
 struct Evaluation {
   std::string data;  // the folder, for people
   std::string split;
+  int samples = 0;                         // the first so many of each frame; 0: all
   std::vector<MethodScores> methods;       // noisy, blur, then the models as given
   std::optional<MethodScores> floor = {};  // of the references (metrics/floor.h), where all have one
   std::string baseline = {};  // what the others are compared with; "": the first model, else noisy

@@ -92,6 +92,7 @@ Json to_json(const Evaluation& evaluation) {
   Json json;
   json["data"] = evaluation.data;
   json["split"] = evaluation.split;
+  if (evaluation.samples > 0) json["samples"] = evaluation.samples;
   json["frame_count"] = evaluation.methods.empty() ? 0 : evaluation.methods.front().frames.size();
   json["relmse_epsilon"] = kRelmseEpsilon;
   json["smape_epsilon"] = kSmapeEpsilon;

@@ -24,8 +24,14 @@ FrameHeader read_frame_header(const std::filesystem::path& path);
 /// Reads the samples with at least the `required` features (others that are missing become 0) and sanitises
 /// them; `faults` receives what was found. frame.features are all that the file holds. info.depth_scale is
 /// computed where the file has none. Throws Error as above and for a missing feature (naming part and
-/// channel), and for a file without samples.
-Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults);
+/// channel), for a file without samples and for one with fewer than `samples`, of which only the first so
+/// many are read (0: all).
+Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
+                 int samples = 0);
+
+/// Keeps the first `samples` samples of a frame that was read from `file`; 0: all. Throws Error when it has
+/// fewer.
+void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& file);
 
 /// Writes part `mean` and parts s000, s001, ... with the frame's features and alpha, and the info as
 /// attributes; atomic. Radiance beyond half's range is clamped and the count of clamped channels returned.

@@ -81,6 +81,12 @@ FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
   return header;
 }
 
+void require_samples(const std::string& name, int held, int samples) {
+  if (held < samples)
+    fail("{}: {} samples a pixel, but {} are asked for; render more, or ask for {} or less", name, held,
+         samples, held);
+}
+
 /// Radiance is always needed: without it there is nothing to denoise.
 void require_features(const ExrReader& exr, const std::vector<int>& parts,
                       std::vector<std::string> required) {
@@ -97,15 +103,25 @@ void require_features(const ExrReader& exr, const std::vector<int>& parts,
 
 }  // namespace
 
+void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& file) {
+  require_samples(file.string(), frame.spp, samples);
+  if (samples == 0) return;
+  frame.spp = samples;
+  const size_t kept = static_cast<size_t>(samples) * frame.plane_size();
+  frame.samples.resize(kept * kSampleChannels);
+  frame.valid.resize(kept);
+  if (!frame.alpha.empty()) frame.alpha.resize(kept);
+}
+
 FrameHeader read_frame_header(const std::filesystem::path& path) {
   const ExrReader exr(path);
   return header_of(exr, sample_parts(exr));
 }
 
-Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required,
-                 Faults& faults) {
+Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
+                 int samples) {
   const ExrReader exr(path);
-  const std::vector<int> parts = sample_parts(exr);
+  std::vector<int> parts = sample_parts(exr);
   const FrameHeader header = header_of(exr, parts);
   if (header.spp == 0)
     fail(
@@ -113,9 +129,11 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
         "kept, or use a "
         "pixel network, which needs means only",
         exr.path(), exr.channel_list(0));
+  require_samples(exr.path(), header.spp, samples);
+  if (samples > 0) parts.resize(static_cast<size_t>(samples));
   require_features(exr, parts, required);
 
-  Frame frame(header.width, header.height, header.spp);
+  Frame frame(header.width, header.height, static_cast<int>(parts.size()));
   frame.info = header.info;
   frame.features = header.features;
   if (header.alpha) frame.alpha.resize(frame.valid.size());

@@ -7,11 +7,11 @@
 namespace ld {
 
 FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFrame& entry,
-                          const std::vector<std::string>& features) {
+                          const std::vector<std::string>& features, int samples) {
   const std::filesystem::path path = frame_path(folder, entry.name);
   const std::filesystem::path reference = reference_path(folder, entry.name);
   FramePair pair;
-  pair.frame = read_frame(path, features, pair.faults);
+  pair.frame = read_frame(path, features, pair.faults, samples);
   pair.reference = read_image(reference, &pair.bad_reference_values, &pair.floor);
   if (pair.frame.width != pair.reference.width || pair.frame.height != pair.reference.height)
     fail(

@@ -18,10 +18,10 @@ struct FramePair {
   int64_t bad_reference_values = 0;  // NaN, infinite or negative ones, set to 0
 };
 
-/// Throws Error: a missing or damaged file, a missing feature, sizes that differ, a checksum that does not
-/// match.
+/// Of the frame only the first `samples` samples; 0: all. Throws Error: a missing or damaged file, a missing
+/// feature, too few samples, sizes that differ, a checksum that does not match.
 FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFrame& entry,
-                          const std::vector<std::string>& features);
+                          const std::vector<std::string>& features, int samples = 0);
 
 /// Logs a warning that names the file and the counts, if there are any.
 void warn_about_faults(const std::filesystem::path& path, const Faults& faults);

@@ -54,7 +54,7 @@ class Run {
   }
 
   nlohmann::ordered_json denoise(const DenoiseTask& task) {
-    const InputFrame input = read_input(task.inputs, job_.render, denoiser_.features());
+    const InputFrame input = read_input(task.inputs, job_.render, denoiser_.features(), job_.samples);
     const Frame& frame = input.frame;
     const auto start = std::chrono::steady_clock::now();
     const Image image = denoiser_.denoise(frame, how_);

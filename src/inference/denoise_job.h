@@ -18,6 +18,7 @@ struct DenoiseJob {
   std::vector<DenoiseTask> tasks;
   RenderInput render;
   int64_t max_memory_bytes = 0;  // 0: no limit
+  int samples = 0;               // the first so many of each frame; 0: all
   bool skip_existing = false;    // pictures that are there are left alone
   bool full_float = false;
   // EXR parts for looking, of layer networks: filtered layers, what they add to the picture, unfiltered ones,

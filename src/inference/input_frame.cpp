@@ -59,10 +59,14 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
 }  // namespace
 
 InputFrame read_input(const std::vector<fs::path>& files, const RenderInput& render,
-                      const std::vector<std::string>& features) {
-  if (render.mapping) return import_input(files, render, features);
+                      const std::vector<std::string>& features, int samples) {
+  if (render.mapping) {
+    InputFrame input = import_input(files, render, features);
+    keep_first_samples(input.frame, samples, files[0]);
+    return input;
+  }
   InputFrame input;
-  input.frame = read_frame(files[0], features, input.faults);
+  input.frame = read_frame(files[0], features, input.faults, samples);
   input.original = original_of_frame(files[0]);
   return input;
 }

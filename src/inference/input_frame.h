@@ -27,10 +27,11 @@ struct InputFrame {
   Original original;               // for write_picture
 };
 
-/// Reads one frame with the features that a network needs. Without a mapping there is one file. Throws Error
-/// as read_frame() and import_frame() say, and for features that the renders lack.
+/// Reads one frame with the features that a network needs, and of its samples the first `samples`; 0: all.
+/// Without a mapping there is one file. Throws Error as read_frame() and import_frame() say, and for features
+/// or samples that the renders lack.
 InputFrame read_input(const std::vector<std::filesystem::path>& files, const RenderInput& render,
-                      const std::vector<std::string>& features);
+                      const std::vector<std::string>& features, int samples = 0);
 
 /// Red, green and blue of the denoised image, and the mean alpha of the frame where it has alpha.
 Image with_alpha(const Image& denoised, const Frame& frame);

@@ -31,8 +31,11 @@ struct DataConfig {
   bool flips = true;                 // mirror in x and in y, each half of the time
   bool rotations = true;             // 0, 90, 180 or 270 degrees
   int64_t difficulty = 1;  // of so many crops of a frame, one is taken in proportion to how noisy it is
-  double exposure = 0;     // stops: radiance times 2^u, u uniform in [-exposure, exposure]
-  std::string cache;       // folder of cache files; "": .cache in each data set; none: no files
+  // [LEAST, MOST]: how many of a frame's samples a batch uses (dataset/sample_draw.h); []: all of them.
+  std::vector<int64_t> samples;
+  int64_t validation_samples = 0;  // the first so many of each frame validate; 0: MOST, or all of them
+  double exposure = 0;             // stops: radiance times 2^u, u uniform in [-exposure, exposure]
+  std::string cache;               // folder of cache files; "": .cache in each data set; none: no files
   int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
   int64_t workers = 2;             // threads that prepare batches; 0: each when it is needed
 
@@ -45,6 +48,8 @@ struct DataConfig {
     v.field("flips", flips);
     v.field("rotations", rotations);
     v.field("difficulty", difficulty, Range{1, 1024});
+    v.field("samples", samples, Range{1, 4096});
+    v.field("validation_samples", validation_samples, Range{0, 4096});
     v.field("exposure", exposure, Range{0, 10});
     v.field("cache", cache);
     v.field("cache_megabytes", cache_megabytes, at_least(0));

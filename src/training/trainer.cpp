@@ -57,7 +57,7 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
       config_(prepare(std::move(config), run, group_)),
       run_(std::move(run)),
       training_set_(make_training_set(config_, group_.rank(), group_.size())),
-      validation_(make_validation_stores(config_), config_.run.images),
+      validation_(make_validation_stores(config_), config_.run.images, validation_samples(config_.data)),
       checkpoints_(run_, config_.run.keep),
       loss_(options.loss ? options.loss : make_loss(config_.loss)),
       network_(make_initial_network(config_, group_.is_root() && !checkpoints_.begun())),

@@ -1,5 +1,6 @@
 // How a Trainer begins, saves and ends a run.
 #include <algorithm>
+#include <cmath>
 #include <thread>
 
 #include <torch/version.h>
@@ -13,6 +14,7 @@
 #include "training/estimate.h"
 #include "training/run_folder.h"
 #include "training/trainer.h"
+#include "training/training_data.h"
 
 namespace ld {
 namespace {
@@ -91,8 +93,18 @@ void Trainer::check_best() {
 void Trainer::announce() {
   Plan plan;
   plan.accumulate = config_.optimizer.accumulate;
-  plan.batch = measure_batch(*network_, loss_, training_set_.batch(state_.step * plan.accumulate),
-                             [] { return stop_requested(); });
+  const int64_t first = state_.step * plan.accumulate;
+  const auto measure = [&](const Batch& batch) {
+    return measure_batch(*network_, loss_, batch, [] { return stop_requested(); });
+  };
+  const SampleRange samples = sample_range(config_.data);
+  if (samples.all()) {
+    plan.batch = measure(training_set_.batch(first));
+  } else {  // the largest batch takes the memory, and validation as long a pixel; steps the average time
+    plan.batch = measure(training_set_.batch_with(first, samples.most));
+    const auto average = static_cast<int>(std::lround(mean_sample_count(samples)));
+    plan.batch.seconds = measure(training_set_.batch_with(first, average)).seconds;
+  }
   if (stop_requested()) return;
   plan.steps = last_step_ - state_.step;
   if (!validation_.empty()) plan.validations = (plan.steps - 1) / config_.run.validate_every + 1;

@@ -49,6 +49,23 @@ std::vector<DataSetConfig> data_sets(const DataConfig& config) {
   return config.paths;
 }
 
+SampleRange sample_range(const DataConfig& config) {
+  const std::vector<int64_t>& samples = config.samples;
+  if (samples.empty()) return {};
+  if (samples.size() != 2 || samples[0] > samples[1])
+    fail_usage(
+        "data.samples: [{}]; expected [LEAST, MOST], the fewest and the most samples of a batch, or [] for "
+        "all "
+        "samples of the frames",
+        fmt::join(samples, ", "));
+  return {static_cast<int>(samples[0]), static_cast<int>(samples[1])};
+}
+
+int validation_samples(const DataConfig& config) {
+  const auto asked = static_cast<int>(config.validation_samples);
+  return asked > 0 ? asked : sample_range(config).most;
+}
+
 TrainConfig resolve_features(TrainConfig config, const fs::path& run) {
   if (!config.network.auto_features()) return config;
   const fs::path stored = run / "config.yaml";
@@ -70,6 +87,7 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
   TrainingSetOptions options;
   options.augmentation = {static_cast<int>(data.crop), data.flips, data.rotations,
                           static_cast<int>(data.difficulty), static_cast<float>(data.exposure)};
+  options.samples = sample_range(data);
   options.batch = data.batch;
   options.seed = config.seed;
   options.workers = static_cast<int>(data.workers);
@@ -79,6 +97,8 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
 }
 
 std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfig& config) {
+  const int asked = static_cast<int>(config.data.validation_samples),
+            least = asked > 0 ? asked : sample_range(config.data).least;
   std::vector<std::unique_ptr<FrameStore>> stores;
   for (const DataSetConfig& set : data_sets(config.data)) {
     const std::vector<ManifestFrame> frames = read_manifest(set.path).frames;
@@ -87,6 +107,14 @@ std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfi
       stores.push_back(std::make_unique<FrameStore>(set.path, "validation", config.network.features,
                                                     CacheOptions{config.data.cache, kValidationMemory}));
   }
+  for (const std::unique_ptr<FrameStore>& store : stores)
+    for (size_t i = 0; i < store->size(); ++i)
+      if (store->spp(i) < least)
+        fail_usage(
+            "{}: the validation frame {} has {} samples a pixel, fewer than {}; render more, or set it to {} "
+            "or less",
+            asked > 0 ? "data.validation_samples" : "data.samples", store->name(i), store->spp(i), least,
+            store->spp(i));
   return stores;
 }
 

@@ -15,6 +15,12 @@ namespace ld {
 /// twice.
 std::vector<DataSetConfig> data_sets(const DataConfig& config);
 
+/// data.samples. Throws UsageError for anything but no number or two in order.
+SampleRange sample_range(const DataConfig& config);
+
+/// How many samples of each frame validate, the first ones; 0: all.
+int validation_samples(const DataConfig& config);
+
 /// Replaces `network.features: auto` by the list in the run's stored configuration, so that a run continues
 /// with the features it began with, or, for a new run, by what varying_features() finds; logs what it left
 /// out.
@@ -23,7 +29,8 @@ TrainConfig resolve_features(TrainConfig config, const std::filesystem::path& ru
 /// Of several processes, each reads its own part of the same batches.
 TrainingSet make_training_set(const TrainConfig& config, int rank = 0, int processes = 1);
 
-/// The validation splits of those data sets that have one.
+/// The validation splits of those data sets that have one. Throws UsageError for a frame with fewer samples
+/// than data.validation_samples, or, where that is 0, than data.samples asks for at least.
 std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfig& config);
 
 /// Of the manifests of all data sets: changes when the data does.

@@ -16,17 +16,20 @@ Image mean_of_samples(const NetworkInput& input) {
   return to_image(((input.radiance * input.valid).sum(1) / count).squeeze(0));
 }
 
-Batch whole_frame(FrameStore& store, size_t index, const std::vector<std::string>& features) {
+Batch whole_frame(FrameStore& store, size_t index, const std::vector<std::string>& features, int samples) {
   Augmentation whole;
   whole.width = store.width(index);
   whole.height = store.height(index);
-  return make_batch({{store.get_intact(index, store.get(index), whole.tiles()), whole}}, features);
+  const std::shared_ptr<const PackedFrame> frame = store.get(index);
+  SampleList first;
+  for (int s = 0; s < std::min(samples, frame->spp); ++s) first.push_back(s);
+  return make_batch({{store.get_intact(index, frame, whole.tiles(), first), whole, first}}, features);
 }
 
 }  // namespace
 
-Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures)
-    : stores_(std::move(stores)), pictures_(pictures) {
+Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures, int samples)
+    : stores_(std::move(stores)), pictures_(pictures), samples_(samples) {
   for (const std::unique_ptr<FrameStore>& store : stores_)
     for (size_t i = 0; i < store->size(); ++i) frames_.push_back({store.get(), i});
 }
@@ -62,7 +65,7 @@ std::optional<ValidationResult> Validation::run(Network& network, const Loss& lo
     stopped = stop();
     if (stopped) break;
     const FrameOf& frame = frames_[i];
-    Batch batch = whole_frame(*frame.store, frame.index, network.config().features);
+    Batch batch = whole_frame(*frame.store, frame.index, network.config().features, samples_);
     ValidationPicture picture;
     picture.name = frame.store->name(frame.index);
     if (is_shown(i, group)) picture.noisy = mean_of_samples(batch.input);

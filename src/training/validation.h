@@ -30,8 +30,9 @@ struct ValidationResult {
 
 class Validation {
  public:
-  /// Up to `pictures` frames, spread evenly, are kept for looking at.
-  Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures);
+  /// Up to `pictures` frames, spread evenly, are kept for looking at. Each frame enters with its first
+  /// `samples` samples, or all that it has where these are fewer; 0: all.
+  Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures, int samples = 0);
 
   /// Whether no data set has a validation split.
   bool empty() const { return frames_.empty(); }
@@ -53,6 +54,7 @@ class Validation {
   std::vector<std::unique_ptr<FrameStore>> stores_;
   std::vector<FrameOf> frames_;  // of all stores
   int64_t pictures_;
+  int samples_;
 };
 
 }  // namespace ld

@@ -173,6 +173,45 @@ TEST(Crop, FeaturesComeInTheOrderThatIsAskedFor) {
                "does not hold the feature 'normal'");
 }
 
+TEST(Crop, OnlyTheSamplesThatAreAskedForAreRead) {
+  constexpr int kSide = 33;
+  constexpr size_t kPixels = size_t{kSide} * kSide;
+  const PackedFrame packed = pack(random_frame(kSide, kSide, 5));
+  const Augmentation whole = whole_frame(kSide, kSide, true, false, 3);
+  const TileRange tiles = whole.tiles();
+  const auto channels = static_cast<size_t>(packed.channels());
+  const auto read = [&](const SampleList& samples, size_t count) {
+    std::vector<float> all((channels + 4) * count * kPixels + 3 * kPixels, -1.0F);
+    float* features = all.data();
+    float* radiance = features + channels * count * kPixels;
+    float* valid = radiance + 3 * count * kPixels;
+    read_crop(packed, whole, packed.features, {features, radiance, valid, valid + count * kPixels}, samples);
+    return all;
+  };
+  const std::vector<float> everything = read({}, 5);
+  EXPECT_EQ(read({0, 1, 2, 3, 4}, 5), everything);
+  const std::vector<float> expected = read({1, 3}, 2);
+  for (size_t i = 0; i < 2; ++i)
+    EXPECT_TRUE(std::equal(expected.begin() + static_cast<long>(i * channels * kPixels),
+                           expected.begin() + static_cast<long>((i + 1) * channels * kPixels),
+                           everything.begin() + static_cast<long>((2 * i + 1) * channels * kPixels)));
+
+  // Whatever stands in the others is neither read nor checked.
+  const size_t sample = channels * kTilePixels;
+  for (size_t tile = 0; tile < packed.tiles(); ++tile)
+    for (const size_t s : {0, 2, 4}) {
+      std::fill_n(const_cast<uint16_t*>(packed.samples) + (tile * 5 + s) * sample, sample,
+                  static_cast<uint16_t>(0x7e00));  // NaN
+      std::fill_n(const_cast<uint8_t*>(packed.valid) + (tile * 5 + s) * kTilePixels, kTilePixels,
+                  static_cast<uint8_t>(77));
+    }
+  EXPECT_EQ(read({1, 3}, 2), expected);
+  EXPECT_TRUE(packed.intact(tiles, {1, 3}));
+  for (const int s : {0, 2, 4}) EXPECT_FALSE(packed.intact(tiles, {1, s}));
+  EXPECT_FALSE(packed.intact(tiles));
+  EXPECT_ERROR(read({5}, 1), "5 samples has no sample 5");
+}
+
 TEST(Crop, OneOutsideIsAnError) {
   const PackedFrame packed = pack(random_frame(4, 4, 1));
   for (const auto& [x, width] : {std::pair(1, 4), std::pair(-1, 2), std::pair(0, 0), std::pair(0, 5)}) {

@@ -172,6 +172,30 @@ TEST_F(FrameStoreTest, DamagedFilesAreReportedAndMadeAgain) {
   }
 }
 
+TEST_F(FrameStoreTest, DamageIsNoticedInTheSamplesThatAreReadAlone) {
+  values(options());
+  const std::string good = read_file(only_file());
+  FrameStore store(data(), "train", kFeatures, options());
+  const Augmentation whole = whole_frame(37, 37);
+  EXPECT_EQ(store.spp(0), 3);
+  std::string bad = good;
+  {
+    const auto frame = store.get(0);
+    const uint16_t* second = frame->samples + static_cast<size_t>(frame->channels()) * kTilePixels;
+    const std::string bytes(reinterpret_cast<const char*>(second), 64);
+    bad[good.find(bytes) + 5] ^= 1;
+  }
+  std::ofstream(only_file(), std::ios::binary) << bad;
+  const Log log;
+  for (const SampleList& samples : {SampleList{0}, SampleList{2}, SampleList{0, 2}})
+    store.get_intact(0, store.get(0), whole.tiles(), samples);
+  EXPECT_EQ(log.count("damaged cache file"), 0) << log.text();
+  EXPECT_TRUE(read_file(only_file()) == bad);
+  store.get_intact(0, store.get(0), whole.tiles(), {1});
+  EXPECT_EQ(log.count("damaged cache file"), 1) << log.text();
+  EXPECT_TRUE(read_file(only_file()) == good);
+}
+
 TEST_F(FrameStoreTest, WhereNothingCanBeWrittenOneWarningAndTheFrames) {
   std::ofstream(folder_ / "file") << "x";
   const std::vector<float> expected = values(options("none"));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "core/error.h"
 #include "core/file_io.h"
@@ -119,6 +121,134 @@ TEST(TrainingSet, FramesOfSeveralSizesAndNumbersOfSamples) {
       }
     }
     EXPECT_EQ(few, 1) << "step " << step;
+  }
+}
+
+/// Which of the samples of crop b of `all` are those of crop b of `drawn`, in their order; checks the rest.
+SampleList drawn_of(const Batch& all, const Batch& drawn, int64_t b) {
+  EXPECT_TRUE(drawn.reference[b].equal(all.reference[b])) << "another crop, or another turn";
+  SampleList samples;
+  for (int64_t i = 0; i < drawn.input.radiance.size(1); ++i)
+    for (int64_t s = 0; s < all.input.radiance.size(1); ++s)
+      if (drawn.input.radiance[b][i].equal(all.input.radiance[b][s])) {
+        EXPECT_TRUE(drawn.input.features[b][i].equal(all.input.features[b][s]));
+        EXPECT_TRUE(drawn.input.valid[b][i].equal(all.input.valid[b][s]));
+        samples.push_back(static_cast<int>(s));
+      }
+  EXPECT_EQ(samples.size(), static_cast<size_t>(drawn.input.radiance.size(1)));
+  for (size_t i = 1; i < samples.size(); ++i) EXPECT_LT(samples[i - 1], samples[i]);
+  return samples;
+}
+
+TEST(TrainingSet, DrawsHowManySamplesAndWhich) {
+  constexpr int kSpp = 6, kSteps = 300;
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 4, 16, kSpp);
+  TrainingSetOptions some = options(8, 4);
+  some.samples = {1, 4};
+  TrainingSetOptions other_seed = some;
+  other_seed.seed = 2;
+  TrainingSetOptions threads = some;
+  threads.workers = 3;
+  TrainingSet all = training_set(folder.path(), options(8, 4)), set = training_set(folder.path(), some),
+              uncached = training_set(folder.path(), some, {"none", 1 << 24}),
+              threaded = training_set(folder.path(), threads),
+              other = training_set(folder.path(), other_seed);
+  std::map<int64_t, int> counts;
+  std::map<int, double> often;
+  int crops_alike = 0, seeds_alike = 0;
+  double drawn = 0;
+  for (int64_t step = 0; step < kSteps; ++step) {
+    const Batch whole = all.batch(step), batch = set.batch(step);
+    ASSERT_EQ(whole.input.radiance.size(1), kSpp);
+    const int64_t count = batch.input.radiance.size(1);
+    ++counts[count];
+    std::set<SampleList> lists;
+    for (int64_t b = 0; b < 4; ++b) {
+      const SampleList list = drawn_of(whole, batch, b);
+      for (const int s : list) ++often[s];
+      drawn += static_cast<double>(list.size());
+      lists.insert(list);
+    }
+    if (lists.size() == 1) ++crops_alike;
+    if (other.batch(step).input.radiance.size(1) == count) ++seeds_alike;
+    if (step % 10 != 0) continue;
+    EXPECT_TRUE(same(batch, uncached.batch(step)));
+    EXPECT_TRUE(same(batch, threaded.batch(step)));
+    EXPECT_TRUE(same(batch, set.batch(step)));
+  }
+  EXPECT_EQ(counts.size(), 4u);  // 1, 4: a third each; 2, 3: a sixth
+  for (const auto& [count, found] : counts)
+    EXPECT_NEAR(found / double{kSteps}, count == 1 || count == 4 ? 1 / 3.0 : 1 / 6.0, 0.08) << count;
+  for (int s = 0; s < kSpp; ++s) EXPECT_NEAR(often[s] / drawn * kSpp, 1, 0.12) << s;
+  EXPECT_LT(crops_alike, kSteps / 20);
+  EXPECT_LT(seeds_alike, kSteps / 2);
+  EXPECT_NE(set.describe(0, 1).find(" of samples "), std::string::npos) << set.describe(0, 1);
+  EXPECT_EQ(all.describe(0, 1).find(" of samples "), std::string::npos);
+}
+
+TEST(TrainingSet, AllRanksDrawAsOneProcessDoes) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 7, 16, 9);
+  TrainingSetOptions some = options(8, 7);
+  some.samples = {1, 8};
+  TrainingSet whole = training_set(folder.path(), some);
+  for (int64_t step = 0; step < 12; ++step) {
+    std::vector<torch::Tensor> features, references;
+    for (int rank = 0; rank < 3; ++rank) {
+      TrainingSetOptions part = some;
+      part.rank = rank;
+      part.processes = 3;
+      const Batch batch = training_set(folder.path(), part).batch(step);
+      features.push_back(batch.input.features);
+      references.push_back(batch.reference);
+    }
+    EXPECT_TRUE(torch::cat(features).equal(whole.batch(step).input.features));
+    EXPECT_TRUE(torch::cat(references).equal(whole.batch(step).reference));
+  }
+}
+
+TEST(TrainingSet, FramesWithFewerSamplesThanABatchAreFilledUp) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "a", 2, 16, 2);
+  write_tiny_dataset(folder / "b", 2, 16, 8);
+  const auto sets = [&] {
+    std::vector<WeightedStore> sets;
+    sets.push_back({store(folder / "a"), 1});
+    sets.push_back({store(folder / "b"), 1});
+    return sets;
+  };
+  TrainingSetOptions six = options(8, 4);
+  six.samples = {6, 6};
+  EXPECT_ERROR(TrainingSet(sets(), kFeatures, six),
+               "data.samples: frame frame_0 has 2 samples a pixel, fewer than the 6");
+  TrainingSetOptions some = six;
+  some.samples = {2, 6};
+  TrainingSet set(sets(), kFeatures, some);
+  bool filled = false;
+  for (int64_t step = 0; step < 12; ++step) {
+    const Batch batch = set.batch(step);
+    const int64_t count = batch.input.valid.size(1);
+    const torch::Tensor drawn = batch.input.valid.sum({1, 2, 3, 4}) / 64;
+    EXPECT_EQ(drawn.eq(static_cast<double>(count)).sum().item<int64_t>(), count == 2 ? 4 : 2);
+    EXPECT_EQ(drawn.eq(2).sum().item<int64_t>(), count == 2 ? 4 : 2);
+    filled = filled || count > 2;
+    EXPECT_TRUE((batch.input.radiance * (1 - batch.input.valid)).eq(0).all().item<bool>());
+  }
+  EXPECT_TRUE(filled);
+}
+
+TEST(TrainingSet, OneSample) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 4, 16, 3);
+  TrainingSetOptions one = options(8, 4);
+  one.samples = {1, 1};
+  TrainingSet all = training_set(folder.path(), options(8, 4)), set = training_set(folder.path(), one);
+  for (int64_t step = 0; step < 8; ++step) {
+    const Batch batch = set.batch(step);
+    ASSERT_EQ(batch.input.features.sizes(), (std::vector<int64_t>{4, 1, 6, 8, 8}));
+    for (int64_t b = 0; b < 4; ++b) EXPECT_EQ(drawn_of(all.batch(step), batch, b).size(), 1u);
+    EXPECT_EQ(set.batch_with(step, 2).input.features.size(1), 2);
   }
 }
 

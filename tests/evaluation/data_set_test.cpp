@@ -52,6 +52,22 @@ TEST_F(DataSetOnDisk, LoadsTheFramesOfTheSplitInOrder) {
   EXPECT_EQ(open_frame_set(folder_.path(), "train", {"radiance"}, 9).count, 1U);
 }
 
+TEST_F(DataSetOnDisk, ReadsTheFirstSamplesOnRequest) {
+  const EvaluationFrame all = open_frame_set(folder_.path(), "test", {"radiance"}, 0).load(1),
+                        one = open_frame_set(folder_.path(), "test", {"radiance"}, 0, 1).load(1);
+  EXPECT_EQ(one.frame.spp, 1);
+  const size_t kept = one.frame.plane_size();
+  ASSERT_EQ(one.frame.samples.size(), kept * kSampleChannels);
+  EXPECT_TRUE(std::equal(one.frame.samples.begin(), one.frame.samples.end(), all.frame.samples.begin()));
+  const Image noisy = mean_radiance(one.frame);
+  EXPECT_TRUE(std::equal(noisy.pixels.begin(), noisy.pixels.end(), all.frame.plane(0, 0)))
+      << "the mean is that of the samples that were read";
+  const FrameSet three = open_frame_set(folder_.path(), "test", {"radiance"}, 0, 3);
+  const std::string message = message_of([&] { three.load(1); });
+  EXPECT_NE(message.find("frame_1.exr: 2 samples a pixel, but 3 are asked for"), std::string::npos)
+      << message;
+}
+
 TEST_F(DataSetOnDisk, EvaluatesFromTheFiles) {
   const auto result = evaluate(open_frame_set(folder_.path(), "test", {"radiance"}, 0), {}, {});
   ASSERT_TRUE(result);

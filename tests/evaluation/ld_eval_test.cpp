@@ -109,6 +109,23 @@ TEST_F(LdEval, FormulasNeedNoDataSet) {
     EXPECT_NE(result.output.find(metric.title + " = " + metric.formula), std::string::npos) << result.output;
 }
 
+TEST_F(LdEval, TheFirstSamplesAloneOnRequest) {
+  const ProgramResult result = run({"--split", "train", "--samples", "1"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto json = nlohmann::json::parse(read_file(folder_ / "out" / "metrics.json"));
+  EXPECT_EQ(json["samples"], 1);
+  const auto expected = evaluate(open_frame_set(folder_ / "data", "train", {"radiance"}, 0, 1), {}, {}),
+             two = evaluate(open_frame_set(folder_ / "data", "train", {"radiance"}, 0), {}, {});
+  for (const std::string name : {"noisy", "blur"})
+    for (size_t m = 0; m < metrics().size(); ++m) {
+      EXPECT_DOUBLE_EQ(json["methods"][name]["mean"][metrics()[m].name], expected->method(name).mean(m));
+      EXPECT_TRUE(better(metrics()[m], two->method(name).mean(m), expected->method(name).mean(m))) << name;
+    }
+  expect_failure(run({"--split", "train", "--samples", "3"}), 1,
+                 {"frame_0.exr: 2 samples a pixel, but 3 are asked for"});
+  expect_failure(run({"--samples", "0"}), 2, {"--samples"});
+}
+
 TEST_F(LdEval, RowsForEachFrameAndALimitOnRequest) {
   const ProgramResult two = run({"--split", "train", "--per-frame", "--frames-limit", "2"});
   EXPECT_NE(two.output.find("| frame_1 | blur "), std::string::npos) << two.output;

@@ -153,6 +153,23 @@ TEST_F(DenoiseProgram, KeepsAlphaChannelsWindowsAndAttributes) {
   }
 }
 
+TEST_F(DenoiseProgram, ReadsTheFirstSamplesOnRequest) {
+  Frame frame = random_frame(12, 9, 4);
+  write_frame(path("four.exr"), frame);
+  keep_first_samples(frame, 1, "four");
+  write_frame(path("one.exr"), frame);
+  DenoiseJob of_four = job("four.exr", "first.exr");
+  of_four.samples = 1;
+  EXPECT_TRUE(run_denoise_job(of_four).failed.empty());
+  EXPECT_TRUE(run_denoise_job(job("one.exr", "only.exr")).failed.empty());
+  EXPECT_TRUE(run_denoise_job(job("four.exr", "all.exr")).failed.empty());
+  const Image first = read_image(path("first.exr")), only = read_image(path("only.exr"));
+  EXPECT_EQ(first.pixels, only.pixels);
+  EXPECT_NE(first.pixels, read_image(path("all.exr")).pixels);
+  of_four.samples = 5;
+  EXPECT_ERROR(run_denoise_job(of_four), "four.exr: 4 samples a pixel, but 5 are asked for");
+}
+
 TEST_F(DenoiseProgram, WritesLayersAndKernelsAsParts) {
   DenoiseJob looking = job("rich.exr", "parts.exr");
   looking.full_float = looking.layers = looking.contributions = looking.unfiltered = true;
@@ -242,6 +259,12 @@ TEST_F(DenoiseProgram, TakesRendersThroughAPreset) {
   renders.tasks = plan_sequence(samples, path("cycles.exr"), {}, true);
   const DenoiseReport report = run_denoise_job(renders);
   EXPECT_EQ(report.frames[0]["spp"], 4);
+  renders.samples = 3;
+  EXPECT_EQ(run_denoise_job(renders).frames[0]["spp"], 3);
+  renders.samples = 5;
+  EXPECT_ERROR(run_denoise_job(renders), "4 samples a pixel, but 5 are asked for");
+  renders.samples = 0;
+  run_denoise_job(renders);
   const ExrReader exr(path("cycles.exr")), sample(fixtures / "sample_00.exr");
   EXPECT_EQ(exr.header(0).dataWindow(), sample.header(0).dataWindow());
   EXPECT_TRUE(exr.has_channel(0, "R"));

@@ -93,6 +93,10 @@ INSTANTIATE_TEST_SUITE_P(Modes, DistributedResume,
                                                   c.optimizer.accumulate = 2;
                                                   c.epochs = 20;
                                                 }},
+                                           Mode{"drawn_samples",
+                                                [](TrainConfig& c) {
+                                                  c.data.samples = {1, 2};
+                                                }},
                                            Mode{"cosine_ema", [](TrainConfig& c) { c.optimizer.ema = 0.95; }},
                                            Mode{"one_cycle_ema",
                                                 [](TrainConfig& c) {

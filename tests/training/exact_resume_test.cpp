@@ -80,6 +80,12 @@ INSTANTIATE_TEST_SUITE_P(
                              c.optimizer.weight_decay = 0.1;
                              c.optimizer.ema = 0.9;
                            }},
+                      Mode{"drawn_samples_accumulate",
+                           [](TrainConfig& c) {
+                             c.data.samples = {1, 2};
+                             c.optimizer.accumulate = 2;
+                             c.epochs = 30;
+                           }},
                       Mode{"no_rows_at_the_cut", [](TrainConfig& c) { c.run.log_every = 7; }}),
     [](const auto& mode) { return mode.param.name; });
 

@@ -69,6 +69,88 @@ TEST(DataSets, TrainsOnSeveralAndValidatesOnAll) {
   EXPECT_NE(read_file(folder / "run/config.yaml").find("weight: 3"), std::string::npos);
 }
 
+TEST(Samples, ARangeIsTwoNumbersInOrder) {
+  DataConfig config;
+  EXPECT_TRUE(sample_range(config).all());
+  EXPECT_EQ(validation_samples(config), 0);
+  config.samples = {2, 8};
+  EXPECT_EQ(sample_range(config).least, 2);
+  EXPECT_EQ(sample_range(config).most, 8);
+  EXPECT_EQ(validation_samples(config), 8);
+  config.validation_samples = 4;
+  EXPECT_EQ(validation_samples(config), 4);
+  config.samples = {8, 2};
+  EXPECT_ERROR(sample_range(config), "data.samples: [8, 2]; expected [LEAST, MOST]");
+  config.samples = {8};
+  EXPECT_ERROR(sample_range(config), "data.samples: [8]");
+  EXPECT_ERROR(config_for("data: {samples: [0, 4]}\n"), "samples");
+}
+
+TEST(Samples, AFrameWithTooFewIsNamedBeforeTheFirstStep) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "data", 3, 16, 4);
+  TrainConfig config = config_for(fmt::format("data: {{path: {}}}\n", (folder / "data").string()));
+  config.data.samples = {5, 8};
+  EXPECT_ERROR(Trainer(config, folder / "run"), "data.samples: frame frame_0 has 4 samples a pixel");
+  config.data.samples = {1, 4};
+  config.data.validation_samples = 5;
+  EXPECT_ERROR(Trainer(config, folder / "run"),
+               "data.validation_samples: the validation frame frame_3 has 4 samples a pixel, fewer than 5");
+}
+
+TEST(Samples, ValidationTakesTheFirstOnesOfEachFrame) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "data", 3, 16, 4);
+  const auto config_of = [&](const std::string& data) {
+    return config_for(fmt::format("data: {{path: {}}}\n", (folder / data).string()));
+  };
+  TrainConfig config = config_of("data");
+  const std::shared_ptr<Network> network = make_network(config.network);
+  initialise_xavier(*network, 1);
+  ProcessGroup alone{ProcessGroupOptions{}};
+  const auto scores = [&](const TrainConfig& of) {
+    const Validation validation(make_validation_stores(of), 1, validation_samples(of.data));
+    return validation.run(*network, make_loss("smape"), alone, [] { return false; })->scores;
+  };
+  const auto all = scores(config);
+  config.data.samples = {1, 2};
+  const auto first = scores(config);
+  EXPECT_EQ(scores(config), first);
+  EXPECT_NE(first, all);
+  config.data.validation_samples = 4;
+  EXPECT_EQ(scores(config), all);
+
+  // The same frames with those samples alone.
+  fs::copy(folder / "data", folder / "few", fs::copy_options::recursive);
+  fs::remove_all(folder / "few/.cache");
+  for (const ManifestFrame& entry : read_manifest(folder / "few").frames) {
+    Faults faults;
+    const fs::path path = frame_path(folder / "few", entry.name);
+    const Frame frame = read_frame(path, {}, faults, 2);
+    ASSERT_EQ(frame.spp, 2);
+    write_frame(path, frame);
+  }
+  EXPECT_EQ(scores(config_of("few")), first);
+}
+
+TEST(Samples, ATrainingDrawsThemAndIsRepeatable) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "data", 4, 16, 6);
+  TrainConfig config = config_for(fmt::format("data: {{path: {}}}\n", (folder / "data").string()));
+  const auto weights = [&](const std::string& run) {
+    Trainer trainer(config, folder / run);
+    trainer.train();
+    return read_file(resolve_model(folder / run));
+  };
+  const std::string all = weights("all");
+  config.data.samples = {6, 6};
+  EXPECT_EQ(weights("each"), all) << "all six, whether drawn or not";
+  config.data.samples = {1, 4};
+  const std::string drawn = weights("drawn");
+  EXPECT_NE(drawn, all);
+  EXPECT_EQ(weights("again"), drawn);
+}
+
 TEST(AutoFeatures, AreFoundKeptAndContinuedWith) {
   const TemporaryFolder folder;
   write_sharp_dataset(folder / "data", 3);

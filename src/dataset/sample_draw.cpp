@@ -1,0 +1,40 @@
+#include "dataset/sample_draw.h"
+
+#include <algorithm>
+
+namespace ld {
+namespace {
+
+/// The parts of the range that lie in one octave each.
+std::vector<SampleRange> octaves_of(const SampleRange& range) {
+  std::vector<SampleRange> octaves;
+  for (int low = 1; low <= range.most; low *= 2)
+    if (2 * low > range.least)
+      octaves.push_back({std::max(low, range.least), std::min(2 * low - 1, range.most)});
+  return octaves;
+}
+
+}  // namespace
+
+int draw_sample_count(RandomStream& stream, const SampleRange& range) {
+  const std::vector<SampleRange> octaves = octaves_of(range);
+  const SampleRange& octave = octaves[stream.below(static_cast<uint32_t>(octaves.size()))];
+  return octave.least + static_cast<int>(stream.below(static_cast<uint32_t>(octave.most - octave.least + 1)));
+}
+
+double mean_sample_count(const SampleRange& range) {
+  const std::vector<SampleRange> octaves = octaves_of(range);
+  double sum = 0;
+  for (const SampleRange& octave : octaves) sum += 0.5 * (octave.least + octave.most);
+  return sum / static_cast<double>(octaves.size());
+}
+
+SampleList draw_samples(RandomStream& stream, int held, int count) {
+  if (held <= count) return {};
+  const std::vector<uint32_t> order = random_permutation(stream, static_cast<uint32_t>(held));
+  SampleList samples(order.begin(), order.begin() + count);
+  std::sort(samples.begin(), samples.end());
+  return samples;
+}
+
+}  // namespace ld
