@@ -7,6 +7,8 @@
 #include "core/error.h"
 #include "losses/l1.h"
 #include "losses/l2_tonemapped.h"
+#include "losses/l2_tonemapped_linear.h"
+#include "losses/relative_l2.h"
 #include "losses/relmse.h"
 #include "losses/smape.h"
 
@@ -18,6 +20,8 @@ const std::map<std::string, Loss>& registry() {
   static const std::map<std::string, Loss> losses = {
       {"l1", l1},
       {"l2_tonemapped", l2_tonemapped},
+      {"l2_tonemapped_linear", l2_tonemapped_linear},
+      {"relative_l2", relative_l2},
       {"relmse", relmse_loss},
       {"smape", smape_loss},
   };

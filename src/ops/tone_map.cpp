@@ -36,8 +36,7 @@ class ToneMap : public torch::autograd::Function<ToneMap> {
 
   static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
                                                  torch::autograd::variable_list gradient) {
-    const Tensor slope = map(context->get_saved_variables()[0], [](auto x) { return tone_map_slope(x); });
-    return {gradient[0] * slope};
+    return {gradient[0] * tone_map_slope(context->get_saved_variables()[0])};
   }
 };
 
@@ -46,6 +45,11 @@ class ToneMap : public torch::autograd::Function<ToneMap> {
 Tensor tone_map(const Tensor& linear) {
   floating_type("tone_map: the image", linear);
   return ToneMap::apply(linear);
+}
+
+Tensor tone_map_slope(const Tensor& linear) {
+  floating_type("tone_map_slope: the image", linear);
+  return map(linear.detach(), [](auto x) { return tone_map_slope(x); });
 }
 
 }  // namespace ld

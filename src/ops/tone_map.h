@@ -9,4 +9,7 @@ namespace ld {
 /// or float64, any shape. Throws Error for another element type.
 torch::Tensor tone_map(const torch::Tensor& linear);
 
+/// Elementwise tone_map_slope(), without a gradient of its own.
+torch::Tensor tone_map_slope(const torch::Tensor& linear);
+
 }  // namespace ld

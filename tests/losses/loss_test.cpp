@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "metrics/metric.h"
 #include "tests/support/gradient_check.h"
+#include "tests/support/plain_losses.h"
 
 namespace ld {
 namespace {
@@ -51,10 +52,33 @@ double relmse_reference(const Tensor& d, const Tensor& r) {
   return sum / double(d.numel());
 }
 
+/// Factors on d - r that two losses hold fixed.
+double relative_factor(double d) {
+  return 1 / std::sqrt(d * d + 0.01);
+}
+
+double tone_map_factor(double d) {
+  if (d <= 0) return 12.92;
+  const double y = std::log(d + 1);
+  return (y <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(y, 1 / 2.4 - 1)) / (d + 1);
+}
+
+template <double (*factor)(double)>
+double held_factor_reference(const Tensor& d, const Tensor& r) {
+  double sum = 0;
+  for (int64_t i = 0; i < d.numel(); ++i) {
+    const double a = d.data_ptr<double>()[i], b = r.data_ptr<double>()[i];
+    sum += std::pow(factor(a) * (a - b), 2);
+  }
+  return sum / double(d.numel());
+}
+
 TEST(Losses, AgreeWithTheirEquations) {
   const std::map<std::string, double (*)(const Tensor&, const Tensor&)> equations = {
       {"l1", l1_reference},
       {"l2_tonemapped", l2_reference},
+      {"l2_tonemapped_linear", held_factor_reference<tone_map_factor>},
+      {"relative_l2", held_factor_reference<relative_factor>},
       {"relmse", relmse_reference},
       {"smape", smape_reference}};
   const Tensor d = random_uniform({2, 3, 5, 7}, 1, 0, 3), r = random_uniform({2, 3, 5, 7}, 2, 0, 3);
@@ -103,10 +127,60 @@ TEST(Losses, LargeErrorsDoNotOverflowTheSum) {
   EXPECT_NEAR(firefly.grad()[0][0][0][0].item<double>() / (2 * 65504.0 * 1e4 / 3), 1, 1e-6);
 }
 
+TEST(Losses, AFactorThatIsHeldFixedTakesNoPartInTheGradient) {
+  const std::map<std::string, double (*)(double)> factors = {{"l2_tonemapped_linear", tone_map_factor},
+                                                             {"relative_l2", relative_factor}};
+  const Tensor values = torch::tensor({-2.0, 0.0, 1e-12, 1e-3, 0.3, 1.0, 50.0, 65504.0}, torch::kFloat64);
+  const Tensor d = variable(values.repeat({8})), r = values.repeat_interleave(8);
+  for (const std::string& name : losses_with_held_parts()) {
+    Tensor input = d.detach().clone().set_requires_grad(true);
+    make_loss(name)(input, r).backward();
+    for (int64_t i = 0; i < d.numel(); ++i) {
+      const double a = d[i].item<double>(), b = r[i].item<double>(), factor = factors.at(name)(a);
+      const double expected = 2 * factor * factor * (a - b) / double(d.numel());
+      EXPECT_NEAR(input.grad()[i].item<double>(), expected, 1e-12 * std::abs(expected)) << name << " " << a;
+    }
+  }
+}
+
+/// What a constant comes to that is fitted to exponential noise of mean 1 (of which these are the quantiles):
+/// steps against the sign of the gradient, each a little shorter.
+double fitted_to_noise(const std::string& name) {
+  constexpr int64_t kTargets = 4096;
+  const Tensor targets = -torch::log1p(-(torch::arange(kTargets, torch::kFloat64) + 0.5) / double(kTargets));
+  const Loss loss = make_loss(name);
+  Tensor constant = torch::full({1}, 2.0, torch::kFloat64).set_requires_grad(true);
+  for (double step = 0.2; step > 1e-6; step *= 0.98) {
+    loss(constant.expand({kTargets}), targets).backward();
+    const torch::NoGradGuard no_graph;
+    constant -= step * constant.grad().sign();
+    constant.mutable_grad().reset();
+  }
+  return constant.item<double>();
+}
+
+// What docs/training.md says of training on references of few samples. The median of the noise is log 2.
+TEST(Losses, OfNoisyTargetsOnlyTheLossesMadeForThemFindTheMean) {
+  const std::map<std::string, double> expected = {{"l1", std::log(2)},         {"l2_tonemapped", 0.643},
+                                                  {"l2_tonemapped_linear", 1}, {"relative_l2", 1},
+                                                  {"relmse", 0.0266},          {"smape", 0.784}};
+  for (const std::string& name : loss_names()) {
+    ASSERT_EQ(expected.count(name), 1) << "what does loss " << name << " make of noisy targets?";
+    EXPECT_NEAR(fitted_to_noise(name) / expected.at(name), 1, 0.01) << name;
+  }
+}
+
+TEST(Losses, ForSmallErrorsTheLinearisedLossIsTheToneMappedOne) {
+  const Tensor r = random_uniform({1, 3, 8, 8}, 7, 0.05, 20),
+               d = r * (1 + 1e-4 * random_normal({1, 3, 8, 8}, 8));
+  EXPECT_NEAR((make_loss("l2_tonemapped_linear")(d, r) / make_loss("l2_tonemapped")(d, r)).item<double>(), 1,
+              1e-3);
+}
+
 // Every registered loss, also the one that is added tomorrow.
 TEST(Losses, GradientsAgreeWithFiniteDifferences) {
   const Tensor r = random_uniform({1, 3, 4, 4}, 4, 0, 2);
-  for (const std::string& name : loss_names())
+  for (const std::string& name : plain_losses())
     expect_gradients([&](const auto& v) { return make_loss(name)(v[0], r); },
                      {variable(random_uniform({1, 3, 4, 4}, 3, 0.1, 3))});
 }
@@ -133,7 +207,8 @@ TEST(Losses, UnknownNamesAndUnequalShapesAreErrors) {
     FAIL() << "accepted an unknown loss";
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),
-                 "unknown loss 'smap'; did you mean 'smape'? choose from l1, l2_tonemapped, relmse, smape");
+                 "unknown loss 'smap'; did you mean 'smape'? choose from l1, l2_tonemapped, "
+                 "l2_tonemapped_linear, relative_l2, relmse, smape");
   }
   for (const std::string& name : loss_names()) {
     EXPECT_THROW(make_loss(name)(torch::ones({1, 3, 2, 2}), torch::ones({1, 3, 2, 1})), Error);
