@@ -212,7 +212,7 @@ TEST(TrainingSet, FramesWithFewerSamplesThanABatchAreFilledUp) {
   const TemporaryFolder folder;
   write_tiny_dataset(folder / "a", 2, 16, 2);
   write_tiny_dataset(folder / "b", 2, 16, 8);
-  const auto sets = [&] {
+  const auto both = [&] {
     std::vector<WeightedStore> sets;
     sets.push_back({store(folder / "a"), 1});
     sets.push_back({store(folder / "b"), 1});
@@ -220,11 +220,11 @@ TEST(TrainingSet, FramesWithFewerSamplesThanABatchAreFilledUp) {
   };
   TrainingSetOptions six = options(8, 4);
   six.samples = {6, 6};
-  EXPECT_ERROR(TrainingSet(sets(), kFeatures, six),
+  EXPECT_ERROR(TrainingSet(both(), kFeatures, six),
                "data.samples: frame frame_0 has 2 samples a pixel, fewer than the 6");
   TrainingSetOptions some = six;
   some.samples = {2, 6};
-  TrainingSet set(sets(), kFeatures, some);
+  TrainingSet set(both(), kFeatures, some);
   bool filled = false;
   for (int64_t step = 0; step < 12; ++step) {
     const Batch batch = set.batch(step);
