@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "frame/schema.h"
+#include "models/demodulation.h"
 #include "models/network.h"
 #include "models/sample_embeddings.h"
 #include "models/unet.h"
@@ -16,7 +17,10 @@ class ContextNetwork : public Network {
   ContextNetwork(const NetworkConfig& config, int64_t inputs)
       : Network(config),
         sample_reducer_(register_module("sample_reducer", std::make_shared<SampleReducer>(config, inputs))),
-        unet_(register_module("unet", std::make_shared<UNet>(config.sample_reducer.back(), config.unet))) {}
+        unet_(register_module("unet", std::make_shared<UNet>(config.sample_reducer.back(), config.unet))) {
+    if (config.demodulation != "none")
+      modulation_ = register_module("modulation", std::make_shared<Modulation>(config));
+  }
 
   /// What the U-net knows of a picture, its full resolution on demand.
   struct Context {
@@ -36,9 +40,29 @@ class ContextNetwork : public Network {
     return unet_->context(context.coarse, context.picture, begin, end);
   }
 
+  /// The forms of radiance that are filtered have so many channels together.
+  int64_t radiance_channels() const { return modulation_ ? 6 : 3; }
+
+  /// Rows beyond its own that a strip of the second half reads.
+  int64_t filter_reach() const {
+    return std::max(config().kernel_size / 2, modulation_ ? Modulation::kReach : 0);
+  }
+
+  /// What modulated() needs of some rows, as a list that is empty without demodulation.
+  std::vector<torch::Tensor> modulators_of(const NetworkInput& strip) const {
+    if (!modulation_) return {};
+    return {modulators(strip.demodulator, strip.valid)};
+  }
+
+  /// The picture [B, 3, H, W] from what was filtered, [B, radiance_channels(), H, W].
+  torch::Tensor modulated(const torch::Tensor& filtered, const torch::Tensor& modulators,
+                          const torch::Tensor& context) const {
+    return modulation_ ? Modulation::apply(filtered, modulation_->factors(modulators, context)) : filtered;
+  }
+
   /// Rows of a strip of the second half when each of them takes `row_bytes` besides what context_rows()
   /// does, and a kernel is applied.
-  int64_t second_half_reach() const { return 2 * unet_->context_reach() + 2 * (config().kernel_size / 2); }
+  int64_t second_half_reach() const { return 2 * unet_->context_reach() + 2 * filter_reach(); }
   int64_t second_half_rows(const PictureSize& size, int64_t row_bytes) const {
     return strip_rows(size.height, unet_->context_row_bytes(size) + row_bytes, second_half_reach());
   }
@@ -60,6 +84,7 @@ class ContextNetwork : public Network {
 
   std::shared_ptr<SampleReducer> sample_reducer_;
   std::shared_ptr<UNet> unet_;
+  std::shared_ptr<Modulation> modulation_;  // null without demodulation
 };
 
 }  // namespace ld

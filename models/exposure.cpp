@@ -15,16 +15,6 @@ namespace {
 constexpr double kMiddleGrey = 0.18;
 constexpr double kLargestRadiance = 65504;  // half's range, as of all features
 
-/// First channel of the feature among the named ones; -1 when it is not one of them.
-int64_t first_channel(const std::vector<std::string>& features, const std::string& wanted) {
-  int64_t channel = 0;
-  for (const std::string& name : features) {
-    if (name == wanted) return channel;
-    channel += find_feature(name).channels;
-  }
-  return -1;
-}
-
 }  // namespace
 
 void LogAverage::add(const Tensor& radiance, const Tensor& valid) {

@@ -31,6 +31,9 @@ class FullyConnected : public torch::nn::Module {
     return fully_connected(x, context, weights_, last_ == LastLayer::activated);
   }
 
+  /// Whether the last layer is activated.
+  LastLayer last() const { return last_; }
+
   /// The parameters as the operators take them.
   const FullyConnectedWeights& weights() const { return weights_; }
 

@@ -12,23 +12,40 @@ namespace ld {
 class KernelGenerator : public FullyConnected {
  public:
   KernelGenerator(const NetworkConfig& config, int64_t context, int64_t further = 0)
-      : FullyConnected(widths(config, context, further), LastLayer::linear) {}
+      : FullyConnected(widths(config, context, further), LastLayer::linear),
+        taps_(config.kernel_size * config.kernel_size),
+        bound_(config.logit_bound) {}
 
-  /// The network of outputs [first, first + count) alone.
+  /// What makes the logits of the taps, within their bound.
+  FullyConnectedWeights kernels() const {
+    FullyConnectedWeights part = outputs(0, taps_);
+    part.bound = bound_;
+    return part;
+  }
+
+  /// What makes the further outputs.
+  FullyConnectedWeights further() const { return outputs(taps_, weights().weights.back().size(0) - taps_); }
+
+  /// Sets the last bias so that, before anything is learnt, all kernels are a Gaussian of this deviation
+  /// (pixels): logits of -d^2 / (2 sigma^2) at distance d, as far as a bound lets them fall.
+  void begin_as_gaussian(double sigma);
+
+ private:
   FullyConnectedWeights outputs(int64_t first, int64_t count) const {
     FullyConnectedWeights part = weights();
     part.weights.back() = part.weights.back().narrow(0, first, count);
     part.biases.back() = part.biases.back().narrow(0, first, count);
     return part;
   }
-
- private:
   static std::vector<int64_t> widths(const NetworkConfig& config, int64_t context, int64_t further) {
     std::vector<int64_t> widths = config.kernel_generator;
     widths.insert(widths.begin(), config.sample_reducer.back() + context);
     widths.push_back(config.kernel_size * config.kernel_size + further);
     return widths;
   }
+
+  int64_t taps_;
+  double bound_;
 };
 
 }  // namespace ld

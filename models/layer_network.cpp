@@ -21,19 +21,20 @@ Tensor LayerNetwork::in_layer_strips(const InputSource& input, const Use& use) {
   const InputSource::Sizes sizes = input.sizes();
   const PictureSize size = {sizes.batch, sizes.height, sizes.width};
   return in_reaching_strips(
-      size.height, second_half_rows(size, layers_row_bytes(size)), config().kernel_size / 2,
+      size.height, second_half_rows(size, layers_row_bytes(size)), filter_reach(),
       [&](int64_t begin, int64_t end) {
         return make_layers(input, embeddings, context, begin, end).tensors();
       },
       [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        return std::vector<Tensor>{rows(use(Layers(made), first), begin - first, end - first)};
+        return std::vector<Tensor>{rows(use(layers_of(made), first), begin - first, end - first)};
       })[0];
 }
 
 Tensor LayerNetwork::denoise(const InputSource& input) {
   return in_layer_strips(input, [&](const Layers& layers, int64_t first_row) {
-    return filter_and_composite(kernel_generator_->weights(), layers.partition, layers.context, compositing(),
-                                first_row);
+    const Tensor filtered = filter_and_composite(kernel_generator_->kernels(), layers.partition,
+                                                 layers.context, compositing(), first_row);
+    return modulated(filtered, layers.modulators, layers.context);
   });
 }
 
@@ -51,8 +52,9 @@ Tensor LayerNetwork::layers(const InputSource& input) {
 Tensor LayerNetwork::looked_at(const Layers& made, int64_t first_row) const {
   const Partition& layers = made.partition;
   const int64_t count = layers.log_n.size(1);
+  const Tensor radiance = layers.radiance.narrow(2, radiance_channels() - 3, 3);  // as it is
   const auto filter = [&](const Tensor& values) {
-    return generated_splat(kernel_generator_->weights(), layers.embedding, made.context, layers.log_n, values,
+    return generated_splat(kernel_generator_->kernels(), layers.embedding, made.context, layers.log_n, values,
                            first_row);
   };
   if (compositing() == Compositing::weighted) {
@@ -61,12 +63,12 @@ Tensor LayerNetwork::looked_at(const Layers& made, int64_t first_row) const {
                                .view({1, count, count, 1, 1})
                                .expand({layers.radiance.size(0), count, count, layers.radiance.size(3),
                                         layers.radiance.size(4)});
-    const Tensor weight = generated_splat_joint(kernel_generator_->weights(), layers.embedding, made.context,
+    const Tensor weight = generated_splat_joint(kernel_generator_->kernels(), layers.embedding, made.context,
                                                 layers.log_n, belongs, first_row)
                               .unsqueeze(2);
-    return at::cat({filter(at::cat({layers.radiance, layers.opacity}, 2)), weight, layers.radiance}, 2);
+    return at::cat({filter(at::cat({radiance, layers.opacity}, 2)), weight, radiance}, 2);
   }
-  const Tensor filtered = filter(at::cat({layers.radiance, layers.opacity, layers.transmittance}, 2));
+  const Tensor filtered = filter(at::cat({radiance, layers.opacity, layers.transmittance}, 2));
   const Tensor opacity = filtered.narrow(2, 3, 1), transmittance = filtered.narrow(2, 4, 1);
   std::vector<Tensor> weights;
   Tensor visible = at::ones_like(transmittance.select(1, 0));  // what the layers in front let through
@@ -74,7 +76,7 @@ Tensor LayerNetwork::looked_at(const Layers& made, int64_t first_row) const {
     weights.push_back(visible * opacity.select(1, l));
     visible = visible * transmittance.select(1, l);
   }
-  return at::cat({filtered.narrow(2, 0, 4), at::stack(weights, 1), layers.radiance}, 2);
+  return at::cat({filtered.narrow(2, 0, 4), at::stack(weights, 1), radiance}, 2);
 }
 
 LayerStages LayerNetwork::stages(const NetworkInput& given) {
@@ -90,8 +92,9 @@ LayerStages LayerNetwork::stages(const NetworkInput& given) {
   stages.context = made.context;
   stages.partition_logits = sample_partitioner_->forward(stages.embedding, stages.context);
   stages.layers = made.partition;
-  stages.output =
-      filter_and_composite(kernel_generator_->weights(), made.partition, stages.context, compositing());
+  stages.output = modulated(
+      filter_and_composite(kernel_generator_->kernels(), made.partition, stages.context, compositing()),
+      made.modulators, made.context);
   const Tensor looked = looked_at(made, 0);
   stages.radiance = looked.narrow(2, 0, 3);
   stages.opacity = looked.narrow(2, 3, 1);
@@ -106,7 +109,8 @@ Tensor LayerNetwork::kernels_at(const InputSource& given, int64_t x, int64_t y) 
   const Context context =
       make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
   const Layers made = make_layers(input, embeddings, context, y, y + 1);
-  const Tensor logits = kernel_generator_->forward(made.partition.embedding, made.context)
+  const Tensor logits = fully_connected(made.partition.embedding, made.context, kernel_generator_->kernels(),
+                                        /*activate_last=*/false)
                             .select(4, x)
                             .select(3, 0);  // [B, N, K*K]
   const Tensor log_n = made.partition.log_n.select(3, x).select(2, 0).unsqueeze(2);

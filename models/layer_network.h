@@ -15,13 +15,15 @@ struct LayerStages {
 
   // Each layer before and after its filter. Radiance is premultiplied: L_l / n_l is what the layer adds to a
   // picture in which nothing lies in front of it, its colour times its opacity; radiance / opacity is the
-  // colour alone. With the weighted compositor n_l is w_l, the opacity 1 and the radiance the colour.
+  // colour alone. With the weighted compositor n_l is w_l, the opacity 1 and the radiance the colour. With
+  // demodulation, the layers are those of the radiance as it is.
   torch::Tensor unfiltered_radiance;  // L_l / n_l [B, N, 3, H, W]
   torch::Tensor radiance;             // filtered L_l over filtered n_l, eq. 4 [B, N, 3, H, W]
   torch::Tensor opacity;              // alpha_l, filtered w_l over filtered n_l, eq. 4 [B, N, 1, H, W]
   torch::Tensor
       weight;  // share of the layer's colour in the output [B, N, 1, H, W]; the sum over layers is 1
-  torch::Tensor output;  // eq. 5 or 6: the sum of weight * radiance / opacity [B, 3, H, W]
+  // eq. 5 or 6: without demodulation, the sum of weight * radiance / opacity [B, 3, H, W]
+  torch::Tensor output;
 };
 
 class LayerNetwork : public LayeredNetwork {

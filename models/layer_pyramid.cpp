@@ -41,9 +41,10 @@ PyramidLevel halve(const PyramidLevel& fine) {
   const Tensor means = weighted_sum(at::softmax(counted, 1), four_pixels(at::cat(ratios, 2).flatten(0, 1), 0))
                            .squeeze(1)
                            .unflatten(0, {batch, count});
-  coarse.layers.radiance = means.narrow(2, 0, 3);
-  coarse.layers.opacity = means.narrow(2, 3, 1);
-  if (layers.transmittance.defined()) coarse.layers.transmittance = means.narrow(2, 4, 1);
+  const int64_t channels = layers.radiance.size(2);
+  coarse.layers.radiance = means.narrow(2, 0, channels);
+  coarse.layers.opacity = means.narrow(2, channels, 1);
+  if (layers.transmittance.defined()) coarse.layers.transmittance = means.narrow(2, channels + 1, 1);
 
   const Tensor pixels = four_pixels(fine.pixels, 0);
   coarse.pixels = pixels.sum(1);

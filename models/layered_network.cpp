@@ -4,21 +4,26 @@ namespace ld {
 
 using torch::Tensor;
 
-LayeredNetwork::Layers::Layers(const std::vector<Tensor>& tensors)
-    : context(tensors[0]),
-      partition{tensors[1], tensors[2], tensors[3], tensors.size() > 5 ? tensors[5] : Tensor(), tensors[4]} {}
-
 std::vector<Tensor> LayeredNetwork::Layers::tensors() const {
   std::vector<Tensor> tensors = {context, partition.log_n, partition.radiance, partition.opacity,
                                  partition.embedding};
   if (partition.transmittance.defined()) tensors.push_back(partition.transmittance);
+  if (modulators.defined()) tensors.push_back(modulators);
   return tensors;
 }
 
-LayeredNetwork::Layers LayeredNetwork::Layers::of_rows(int64_t begin, int64_t end) const {
-  std::vector<Tensor> parts = tensors();
+LayeredNetwork::Layers LayeredNetwork::layers_of(const std::vector<Tensor>& tensors) const {
+  const bool alpha = compositing() == Compositing::alpha;
+  return {tensors[0],
+          {tensors[1], tensors[2], tensors[3], alpha ? tensors[5] : Tensor(), tensors[4]},
+          modulation_ ? tensors.back() : Tensor()};
+}
+
+LayeredNetwork::Layers LayeredNetwork::layers_of_rows(const Layers& layers, int64_t begin,
+                                                      int64_t end) const {
+  std::vector<Tensor> parts = layers.tensors();
   for (Tensor& part : parts) part = rows(part, begin, end);
-  return Layers(parts);
+  return layers_of(parts);
 }
 
 LayeredNetwork::Layers LayeredNetwork::make_layers(const InputSource& input,
@@ -31,20 +36,22 @@ LayeredNetwork::Layers LayeredNetwork::make_layers(const InputSource& input,
     const Tensor embedding = embeddings.of_rows(strip, first, last);  // E_xys
     const Tensor here = rows(c, first - begin, last - begin);
     const Tensor logits = sample_partitioner_->forward(embedding, here);
-    std::vector<Tensor> made =
-        Layers(here, partition(logits, strip.valid, strip.radiance, embedding, compositing()))
-            .tensors();  // eq. 1 and 2
-    made.erase(made.begin());
-    return made;
+    Layers made = {here, partition(logits, strip.valid, strip.radiance, embedding, compositing()), {}};
+    if (modulation_) made.modulators = modulators_of(strip)[0];
+    std::vector<Tensor> tensors = made.tensors();  // eq. 1 and 2
+    tensors.erase(tensors.begin());
+    return tensors;
   });
   parts.insert(parts.begin(), c);
-  return Layers(parts);
+  return layers_of(parts);
 }
 
 int64_t LayeredNetwork::layers_row_bytes(const PictureSize& size) const {
   // Of a layer: embedding, radiance, opacity, transmittance and log n; then what they are filtered to and the
   // filter's sums.
-  const int64_t floats = config().unet.context + config().layers * (config().sample_reducer.back() + 6 + 24);
+  const int64_t further = radiance_channels() - 3;  // of a second form of the radiance
+  const int64_t floats = config().unet.context + 2 * further +
+                         config().layers * (config().sample_reducer.back() + 6 + 24 + 5 * further);
   return 2 * size.batch * floats * size.width * int64_t(sizeof(float));
 }
 

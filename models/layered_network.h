@@ -21,12 +21,12 @@ class LayeredNetwork : public ContextNetwork {
   struct Layers {
     torch::Tensor context;  // C_xy
     Partition partition;
+    torch::Tensor modulators;  // undefined without demodulation
 
-    explicit Layers(const std::vector<torch::Tensor>& tensors);
-    Layers(torch::Tensor c, Partition p) : context(std::move(c)), partition(std::move(p)) {}
     std::vector<torch::Tensor> tensors() const;
-    Layers of_rows(int64_t begin, int64_t end) const;
   };
+  Layers layers_of(const std::vector<torch::Tensor>& tensors) const;
+  Layers layers_of_rows(const Layers& layers, int64_t begin, int64_t end) const;
 
   /// Partitioner and partition of rows [begin, end).
   Layers make_layers(const InputSource& input, const SampleEmbeddings& embeddings, const Context& context,

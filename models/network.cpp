@@ -3,14 +3,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
 
-#include "core/checksum.h"
 #include "core/error.h"
-#include "core/random.h"
 #include "frame/schema.h"
 #include "models/layer_network.h"
 #include "models/optimized_network.h"
@@ -84,12 +81,23 @@ void check_network(const NetworkConfig& config) {
   check_choice("name", config.name, network_names());
   check_choice("compositing", config.compositing, {"alpha", "weighted"});
   check_choice("unet.upsampling", config.unet.upsampling, {"bilinear", "nearest"});
+  check_choice("demodulation", config.demodulation, {"none", "albedo"});
+  check_choice("initialisation", config.initialisation, {"xavier", "he"});
   if (config.features.empty())
     fail_usage("network.features is empty, expected some of {}", fmt::join(feature_names(), ", "));
   std::set<std::string> seen;
   for (const std::string& feature : config.features)
     if (find_feature(feature); !seen.insert(feature).second)
       fail_usage("network.features names '{}' twice, expected each feature once", feature);
+  if (config.demodulation != "none" && !config.auto_features() &&
+      first_channel(config.features, "albedo") < 0)
+    fail_usage(
+        "network.demodulation is '{}', but network.features ({}) has no albedo to divide by; add albedo or "
+        "set "
+        "network.demodulation=none",
+        config.demodulation, fmt::join(config.features, ", "));
+  if (!(config.logit_bound >= 0))
+    fail_usage("network.logit_bound is {}, expected at least 0", config.logit_bound);
   if (config.layers < 1) fail_usage("network.layers is {}, expected at least 1", config.layers);
   if (config.kernel_size < 1 || config.kernel_size % 2 == 0)
     fail_usage("network.kernel_size is {}, expected an odd number, so that a kernel has a centre",
@@ -140,28 +148,6 @@ std::vector<std::string> network_names() {
 std::shared_ptr<Network> make_network(const NetworkConfig& config) {
   check_network(config);
   return registry().at(config.name).make(config);
-}
-
-void initialise_xavier(Network& network, uint64_t seed) {
-  torch::NoGradGuard no_gradient;
-  for (auto& entry : network.named_parameters()) {
-    torch::Tensor& parameter = entry.value();
-    if (parameter.dim() < 2) {
-      parameter.zero_();
-      continue;
-    }
-    // Glorot and Bengio 2010, eq. 16: uniform with variance 2 / (inputs + outputs), where a convolution's
-    // inputs and outputs count its taps. Keyed by the parameter's name: no weight depends on what else the
-    // network holds.
-    const int64_t taps = parameter[0][0].numel();
-    const auto bound = float(std::sqrt(6.0 / double(taps * (parameter.size(0) + parameter.size(1)))));
-    const std::string& name = entry.key();
-    RandomStream stream(seed, RandomPurpose::initial_weights, uint32_t(checksum(name.data(), name.size())));
-    const torch::Tensor values = torch::empty(parameter.sizes(), torch::kFloat32);
-    float* value = values.data_ptr<float>();
-    for (int64_t i = 0; i < values.numel(); ++i) value[i] = stream.uniform(-bound, bound);
-    parameter.copy_(values);
-  }
 }
 
 }  // namespace ld

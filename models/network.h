@@ -39,6 +39,9 @@ class Network : public torch::nn::Module {
   /// largest sum of tensors at a time, the result included; an estimate from above.
   virtual int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const = 0;
 
+  /// Of a network of several resolutions: sets biases so that it begins with the full one.
+  virtual void begin_sharp() {}
+
  protected:
   /// The input checked and made safe: every way into a network leads through here.
   AdmittedInput admit(const InputSource& input) { return {input, config_, faults_}; }
@@ -51,15 +54,12 @@ class Network : public torch::nn::Module {
 };
 
 /// Throws UsageError for an unknown name or sizes that do not fit together. Weights are uninitialised until
-/// initialise_xavier() or a weight file fills them.
+/// initialise() (models/initialise.h) or a weight file fills them.
 std::shared_ptr<Network> make_network(const NetworkConfig& config);
 
 /// Throws what make_network() throws, without making anything: a configuration may come from a damaged file.
 void check_network(const NetworkConfig& config);
 
 std::vector<std::string> network_names();
-
-/// Xavier/Glorot (2010) uniform weights, biases zero, as [MH20] section 4; the same bits for the same seed.
-void initialise_xavier(Network& network, uint64_t seed);
 
 }  // namespace ld

@@ -50,6 +50,13 @@ struct NetworkConfig {
   /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
   /// (models/exposure.h): the result then scales with the radiance exactly.
   bool exposure_normalisation = false;
+  std::string demodulation = "none";  // or "albedo" (models/demodulation.h)
+  /// Kernel logits are kept within (-c, c) by c x / (c + |x|) (ops/fully_connected.h); 0: not bounded, as
+  /// [MH20] has it. A kernel of one tap alone has no gradient left to learn from.
+  double logit_bound = 0;
+  // How a training begins (models/initialise.h).
+  std::string initialisation = "xavier";  // or "he"
+  double initial_kernel = 0;              // deviation of the Gaussian that kernels begin as, pixels; 0: none
 
   bool auto_features() const { return features == std::vector<std::string>{kAutoFeatures}; }
 
@@ -66,6 +73,10 @@ struct NetworkConfig {
     v.field("kernel_generator", kernel_generator, Range{1, 4096});
     v.section("unet", unet);
     v.field("exposure_normalisation", exposure_normalisation);
+    v.field("demodulation", demodulation, {"none", "albedo"});
+    v.field("logit_bound", logit_bound, Range{0, 1000});
+    v.field("initialisation", initialisation, {"xavier", "he"});
+    v.field("initial_kernel", initial_kernel, Range{0, 100});
   }
 };
 

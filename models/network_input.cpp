@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "frame/schema.h"
+#include "models/demodulation.h"
 #include "models/exposure.h"
 #include "models/row_strips.h"
 #include "ops/check.h"
@@ -80,8 +81,10 @@ InputSource::Sizes WholeInput::sizes() const {
 
 NetworkInput WholeInput::rows(int64_t begin, int64_t end) const {
   if (begin == 0 && end == input_.features.size(3)) return input_;
-  return {ld::rows(input_.features, begin, end), ld::rows(input_.radiance, begin, end),
-          ld::rows(input_.valid, begin, end)};
+  NetworkInput part = {ld::rows(input_.features, begin, end), ld::rows(input_.radiance, begin, end),
+                       ld::rows(input_.valid, begin, end)};
+  if (input_.demodulator.defined()) part.demodulator = ld::rows(input_.demodulator, begin, end);
+  return part;
 }
 
 AdmittedInput::AdmittedInput(const InputSource& source, const NetworkConfig& config, InputFaults& faults)
@@ -112,7 +115,12 @@ NetworkInput AdmittedInput::rows(int64_t begin, int64_t end) const {
   faults_.not_finite += found.not_finite;
   faults_.negative += found.negative;
   faults_.clamped += found.clamped;
-  return exposure_.defined() ? with_exposure(std::move(strip), exposure_, config_) : strip;
+  if (exposure_.defined()) strip = with_exposure(std::move(strip), exposure_, config_);
+  if (config_.demodulation != "none") {
+    strip.demodulator = demodulator(strip.features, config_);
+    strip.radiance = demodulated(strip.radiance, strip.demodulator);
+  }
+  return strip;
 }
 
 }  // namespace ld

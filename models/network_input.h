@@ -11,9 +11,11 @@ namespace ld {
 struct NetworkInput {
   torch::Tensor features;  // [B, S, F, H, W] encoded (frame/schema.h), channels in the order of
                            // NetworkConfig::features
-  torch::Tensor radiance;  // [B, S, 3, H, W] linear, >= 0
+  torch::Tensor radiance;  // [B, S, 3, H, W] linear, >= 0; as admitted, all forms of it that are filtered:
+                           // [B, S, 6, H, W] with demodulation (models/demodulation.h)
   torch::Tensor valid;     // [B, S, 1, H, W] 1 for a sample that was drawn, 0 for a missing or masked one,
                            // whose features and radiance count for nothing
+  torch::Tensor demodulator = {};  // [B, S, 3, H, W] as admitted with demodulation, else undefined
 };
 
 /// What was wrong with the samples of an input, and what was done about it.
@@ -57,9 +59,9 @@ class WholeInput : public InputSource {
   NetworkInput input_;
 };
 
-/// A source as networks admit it: each strip checked and sanitised, its exposure normalised where the
-/// configuration says so. `faults` receives what was wrong, each row counted once provided that rows are
-/// first asked for from top to bottom.
+/// A source as networks admit it: each strip checked and sanitised, its exposure normalised and its radiance
+/// demodulated where the configuration says so. `faults` receives what was wrong, each row counted once
+/// provided that rows are first asked for from top to bottom.
 class AdmittedInput : public InputSource {
  public:
   /// Throws Error when there is no sample or pixel.

@@ -18,8 +18,9 @@ OptimizedNetwork::OptimizedNetwork(const NetworkConfig& config) : LayeredNetwork
 
 struct OptimizedNetwork::Levels {
   Tensor logits;                 // of lambda_i [B, levels, H, W]
-  std::vector<Tensor> pictures;  // G_i [B, 3, H / 2^i, W / 2^i]
+  std::vector<Tensor> pictures;  // G_i [B, C, H / 2^i, W / 2^i]
   std::vector<Tensor> received;  // 1 where a level received something, else 0 [B, 1, H / 2^i, W / 2^i]
+  Tensor factors;                // of models/demodulation.h [B, 4, H, W]; undefined without
 };
 
 namespace {
@@ -50,8 +51,8 @@ Tensor OptimizedNetwork::denoise(const InputSource& input) {
   const Levels levels = filter_levels(input);
   const int64_t height = levels.logits.size(2), width = levels.logits.size(3), count = config().levels;
   const int64_t multiple = int64_t(1) << (count - 1);
-  const int64_t row_bytes =
-      levels.logits.size(0) * count * 32 * width * int64_t(levels.logits.element_size());
+  const int64_t row_bytes = levels.logits.size(0) * count * 32 * radiance_channels() / 3 * width *
+                            int64_t(levels.logits.element_size());
   const int64_t step = (strip_rows(height, row_bytes) + multiple - 1) / multiple * multiple;
   return in_strips(height, step, [&](int64_t begin, int64_t end) {
     return std::vector<Tensor>{blend_rows(levels, begin, end, width)};
@@ -64,37 +65,40 @@ OptimizedNetwork::Levels OptimizedNetwork::filter_levels(const InputSource& inpu
       [&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, config().levels);
   const InputSource::Sizes sizes = input.sizes();
   const PictureSize size = {sizes.batch, sizes.height, sizes.width};
-  const int64_t taps = config().kernel_size * config().kernel_size, count = config().levels;
+  const int64_t count = config().levels;
   const int64_t multiple = int64_t(1) << (count - 1);  // whole pixels of the coarsest level
   const int64_t step = (second_half_rows(size, layers_row_bytes(size)) + multiple - 1) / multiple * multiple;
 
   std::vector<std::vector<std::vector<Tensor>>> coarser(
       static_cast<size_t>(count));  // [level][strip][tensor]
   const std::vector<Tensor> finest = in_reaching_strips(
-      size.height, step, config().kernel_size / 2,
+      size.height, step, filter_reach(),
       [&](int64_t begin, int64_t end) {
         return make_layers(input, embeddings, context, begin, end).tensors();
       },
       [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        const Layers layers(made);
-        const Layers here = layers.of_rows(begin - first, end - first);
+        const Layers layers = layers_of(made);
+        const Layers here = layers_of_rows(layers, begin - first, end - first);
         const std::vector<PyramidLevel> pyramid = layer_pyramid(here.partition, count);
         for (size_t i = 1; i < pyramid.size(); ++i) coarser[i].push_back(tensors_of(pyramid[i]));
-        const Tensor picture = filter_and_composite(kernel_generators_[0]->outputs(0, taps), layers.partition,
+        const Tensor picture = filter_and_composite(kernel_generators_[0]->kernels(), layers.partition,
                                                     layers.context, compositing(), first);  // G_0
         const Tensor pixels = layer_pyramid(layers.partition, 1)[0].pixels;
-        const Tensor logits =
-            fully_connected(here.partition.embedding.narrow(1, 0, 1), here.context,
-                            kernel_generators_[0]->outputs(taps, count), /*activate_last=*/false)
-                .squeeze(1);
-        return std::vector<Tensor>{rows(picture, begin - first, end - first),
-                                   rows(received(pixels), begin - first, end - first), logits};
+        const Tensor logits = fully_connected(here.partition.embedding.narrow(1, 0, 1), here.context,
+                                              kernel_generators_[0]->further(), /*activate_last=*/false)
+                                  .squeeze(1);
+        std::vector<Tensor> results = {rows(picture, begin - first, end - first),
+                                       rows(received(pixels), begin - first, end - first), logits};
+        if (modulation_)
+          results.push_back(
+              rows(modulation_->factors(layers.modulators, layers.context), begin - first, end - first));
+        return results;
       });
-  Levels levels{finest[2], {finest[0]}, {finest[1]}};
+  Levels levels{finest[2], {finest[0]}, {finest[1]}, modulation_ ? finest[3] : Tensor()};
   for (int64_t i = 1; i < count; ++i) {
     const PyramidLevel level = level_of(coarser[size_t(i)]);
-    levels.pictures.push_back(filter_and_composite(kernel_generators_[size_t(i)]->outputs(0, taps),
-                                                   level.layers, context.coarse.features[size_t(i)],
+    levels.pictures.push_back(filter_and_composite(kernel_generators_[size_t(i)]->kernels(), level.layers,
+                                                   context.coarse.features[size_t(i)],
                                                    compositing()));  // G_i
     levels.received.push_back(received(level.pixels));
   }
@@ -115,8 +119,9 @@ Tensor OptimizedNetwork::blend_rows(const Levels& levels, int64_t begin, int64_t
   const Tensor known = at::cat(log_coverage, 1);  // -inf for a level without anything to say
   const Tensor nothing = known.eq(-std::numeric_limits<double>::infinity()).all(1, /*keepdim=*/true);
   const Tensor logits = rows(levels.logits, begin, end) + known.masked_fill(nothing, 0);
-  const Tensor lambda = at::softmax(logits, 1).unsqueeze(2);       // [B, levels, 1, H, W]
-  return weighted_sum(lambda, at::stack(pictures, 1)).squeeze(1);  // eq. 10
+  const Tensor lambda = at::softmax(logits, 1).unsqueeze(2);                       // [B, levels, 1, H, W]
+  const Tensor picture = weighted_sum(lambda, at::stack(pictures, 1)).squeeze(1);  // eq. 10
+  return modulation_ ? Modulation::apply(picture, rows(levels.factors, begin, end)) : picture;
 }
 
 /// 1 where the kernels of a level reach from a pixel with samples, else 0, [B, 1, H, W]: such a weight is
@@ -141,11 +146,19 @@ Tensor OptimizedNetwork::upscale(const Tensor& coarse, int64_t level, int64_t be
   return rows(fine, begin - (first << level), end - (first << level)).narrow(3, 0, width);
 }
 
+void OptimizedNetwork::begin_sharp() {
+  const torch::NoGradGuard no_gradient;
+  Tensor bias = kernel_generators_[0]->further().biases.back();
+  bias.narrow(0, 0, 1).fill_(3);
+}
+
 int64_t OptimizedNetwork::memory_bytes(int64_t, int64_t height, int64_t width) const {
   const PictureSize size = {1, height, width};
-  const int64_t floats_of_layers = config().layers * (config().sample_reducer.back() + 6 + 12) + 8;
+  const int64_t further = radiance_channels() - 3;
+  const int64_t floats_of_layers =
+      config().layers * (config().sample_reducer.back() + 6 + 12 + 3 * further) + 8;
   // Results of the finest level and of all; the coarser levels' layers, twice while they are put together.
-  const int64_t floats = 2 * (3 + 1 + config().levels) + 2 * floats_of_layers / 3 + 1;
+  const int64_t floats = 2 * (3 + 1 + config().levels + 3 * further) + 2 * floats_of_layers / 3 + 1;
   return memory_of(size, config().levels, layers_row_bytes(size),
                    floats * height * width * int64_t(sizeof(float)));
 }

@@ -21,6 +21,9 @@ class OptimizedNetwork : public LayeredNetwork {
 
   int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const override;
 
+  /// lambda_0 = e^3 / (e^3 + levels - 1), whatever the picture.
+  void begin_sharp() override;
+
  private:
   struct Levels;  // what the levels come to, each at its resolution
 

@@ -29,7 +29,7 @@ Tensor PixelNetwork::denoise(const InputSource& input) {
   };
   const Context context = make_context(embedding_rows, input, 1);
   return in_reaching_strips(
-      size.height, second_half_rows(size, row_bytes(size)), config().kernel_size / 2,
+      size.height, second_half_rows(size, row_bytes(size)), filter_reach(),
       [&](int64_t begin, int64_t end) {
         std::vector<Tensor> made = in_strips(
             begin, end, short_strip_rows(end - begin, sample_bytes), [&](int64_t first, int64_t last) {
@@ -38,22 +38,30 @@ Tensor PixelNetwork::denoise(const InputSource& input) {
               const Tensor log_n =
                   at::zeros(drawn.sizes(), strip.radiance.options())
                       .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
-              return std::vector<Tensor>{log_n, masked_mean(strip.radiance, strip.valid)};  // the aggregate
+              std::vector<Tensor> pixels = {log_n,
+                                            masked_mean(strip.radiance, strip.valid)};  // the aggregate
+              if (modulation_) pixels.push_back(modulators_of(strip)[0]);
+              return pixels;
             });
+        const Tensor of_pixels = modulation_ ? made.back() : Tensor();
+        made.resize(2);
         made.push_back(context_rows(context, begin, end));  // C_xy
         made.push_back(context.picture(begin, end));
+        if (modulation_) made.push_back(of_pixels);
         return made;
       },
       [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        const Tensor filtered = filter(kernel_generator_->weights(), made[3].unsqueeze(1), made[2],
+        const Tensor filtered = filter(kernel_generator_->kernels(), made[3].unsqueeze(1), made[2],
                                        made[0].squeeze(1), made[1], first);
-        return std::vector<Tensor>{rows(filtered, begin - first, end - first)};
+        const Tensor picture = modulated(filtered, modulation_ ? made[4] : Tensor(), made[2]);
+        return std::vector<Tensor>{rows(picture, begin - first, end - first)};
       })[0];
 }
 
 int64_t PixelNetwork::row_bytes(const PictureSize& size) const {
-  return 2 * size.batch * (config().unet.context + config().sample_reducer.back() + 32) * size.width *
-         int64_t(sizeof(float));
+  return 2 * size.batch *
+         (config().unet.context + config().sample_reducer.back() + 32 + 5 * (radiance_channels() - 3)) *
+         size.width * int64_t(sizeof(float));
 }
 
 int64_t PixelNetwork::memory_bytes(int64_t, int64_t height, int64_t width) const {

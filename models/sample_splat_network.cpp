@@ -50,7 +50,7 @@ Tensor SampleSplatNetwork::denoise(const InputSource& given) {
   const InputSource::Sizes sizes = input.sizes();
   const PictureSize size = {sizes.batch, sizes.height, sizes.width};
   return in_reaching_strips(
-      size.height, second_half_rows(size, row_bytes(size, sizes.samples)), config().kernel_size / 2,
+      size.height, second_half_rows(size, row_bytes(size, sizes.samples)), filter_reach(),
       [&](int64_t begin, int64_t end) {
         return std::vector<Tensor>{context_rows(context, begin, end)};  // C_xy
       },
@@ -59,17 +59,20 @@ Tensor SampleSplatNetwork::denoise(const InputSource& given) {
         NetworkInput strip = input.rows(first, last);
         const Tensor embedding = embeddings.of_rows(strip, first, last);
         strip.features = Tensor();
+        const std::vector<Tensor> of_pixels = modulators_of(strip);
         const Tensor log_n = at::zeros_like(strip.valid)
                                  .masked_fill(strip.valid.eq(0), -std::numeric_limits<double>::infinity())
                                  .squeeze(2);
-        const Tensor filtered = generated_splat_joint(kernel_generator_->weights(), embedding, made[0], log_n,
+        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made[0], log_n,
                                                       strip.radiance, first);
-        return std::vector<Tensor>{rows(filtered, begin - first, end - first)};
+        const Tensor picture = modulated(filtered, of_pixels.empty() ? Tensor() : of_pixels[0], made[0]);
+        return std::vector<Tensor>{rows(picture, begin - first, end - first)};
       })[0];
 }
 
 int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) const {
-  const int64_t of_sample = 2 * (channel_count(config().features) + 4) + config().sample_reducer.back() + 8;
+  const int64_t of_sample = 2 * (channel_count(config().features) + 4) + config().sample_reducer.back() + 8 +
+                            3 * (radiance_channels() - 3);
   return size.batch * (2 * config().unet.context + samples * of_sample) * size.width * int64_t(sizeof(float));
 }
 

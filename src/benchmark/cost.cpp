@@ -42,11 +42,12 @@ struct Sources {
 
 Sources sources_of(const NetworkConfig& config, double spp) {
   const double layers = double(config.layers);
-  // Radiance and the sum of weights; alpha compositing filters a transmittance too.
-  const double channels = config.compositing == "alpha" ? 5 : 4;
+  // Radiance in one form or two and the sum of weights; alpha compositing filters a transmittance too.
+  const double light = config.demodulation == "none" ? 3 : 6;
+  const double channels = light + (config.compositing == "alpha" ? 2 : 1);
   if (config.name == "layer" || config.name == "optimized") return {spp, layers, channels};
-  if (config.name == "sample_splat") return {spp, spp, 4};
-  if (config.name == "pixel_gather" || config.name == "pixel_splat") return {1, 1, 4};
+  if (config.name == "sample_splat") return {spp, spp, light + 1};
+  if (config.name == "pixel_gather" || config.name == "pixel_splat") return {1, 1, light + 1};
   fail("cost of a network: '{}' is not in the table", config.name);
 }
 
@@ -78,6 +79,8 @@ NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t heig
       if (starts_with(inner, "0.")) cost.first_layer = weights * pixels * sources.samples;
     } else if (starts_with(name, "sample_partitioner.")) {
       cost.partitioner += weights * pixels * sources.samples;
+    } else if (starts_with(name, "modulation.")) {
+      cost.filtering += weights * pixels;
     } else if (starts_with(name, "kernel_generator")) {
       const int64_t level = optimized ? trailing_number(name) : 0;
       cost.kernel_generator += weights * pixels_at(level) * sources.kernels;

@@ -19,6 +19,7 @@
 #include "core/log.h"
 #include "core/text_table.h"
 #include "losses/loss.h"
+#include "models/initialise.h"
 #include "training/trainer.h"
 #include "training/training_data.h"
 
@@ -145,7 +146,7 @@ double step_ms(const LoaderBench& options, const fs::path& cache) {
   config.data.crop = options.crop;
   const Batch batch = make_training_set(config).batch(0);
   const std::shared_ptr<Network> network = make_network(config.network);
-  initialise_xavier(*network, config.seed);
+  initialise(*network, config.seed);
   const Loss loss = make_loss(config.loss);
   return median_ms([&] { loss(network->forward(batch.input), batch.reference).backward(); }, 2);
 }

@@ -4,6 +4,7 @@
 #include "benchmark/workloads.h"
 #include "frame/schema.h"
 #include "losses/loss.h"
+#include "models/initialise.h"
 #include "training/config.h"
 
 namespace ld {
@@ -27,7 +28,7 @@ NetworkInput bench_input(const NetworkConfig& config, int64_t spp, int64_t side)
 
 std::shared_ptr<Network> bench_network(const NetworkConfig& config) {
   auto network = make_network(config);
-  initialise_xavier(*network, 1);
+  initialise(*network, 1);
   return network;
 }
 

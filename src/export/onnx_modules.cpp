@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "frame/schema.h"
+
 namespace ld {
 namespace {
 
@@ -14,6 +16,12 @@ constexpr float kLargestLogit = kLargest / 4;
 /// Leaky ReLU as everywhere in [MH20].
 Value activated(OnnxGraph& g, const Value& x) {
   return g.op("LeakyRelu", {x}, {{"alpha", 0.01F}});
+}
+
+/// c x / (c + |x|) (ops/fully_connected.h).
+Value bounded(OnnxGraph& g, const Value& x, float c) {
+  const Value bound = g.number(c), rest = g.div(bound, g.add(bound, g.op("Abs", {x})));
+  return g.mul(g.op("Sign", {x}), g.sub(bound, g.mul(bound, rest)));
 }
 
 /// The tone map of core/tone_map.h for x >= 0. log1p(x) = log(u) x / (u - 1) with the rounded u = 1 + x
@@ -115,6 +123,50 @@ Value onnx_exposed(OnnxGraph& g, const OnnxSamples& samples, int64_t channel, in
   return g.concat(parts, 2);
 }
 
+Value onnx_demodulator(OnnxGraph& g, const NetworkConfig& config, const Value& features) {
+  g.enter("demodulate");
+  Value sum;
+  for (const char* name : {"albedo", "specular"}) {
+    const int64_t first = first_channel(config.features, name);
+    if (first < 0) continue;
+    const Value reflectance = g.slice(features, 2, first, first + 3);
+    sum = sum.name.empty() ? reflectance : g.add(sum, reflectance);
+  }
+  const Value none = g.op("LessOrEqual", {g.reduce_max(sum, {2}), g.number(1e-4F)});
+  return g.where(none, g.number(1), g.op("Clip", {sum, g.number(0.02F), g.number(64)}));
+}
+
+OnnxSamples onnx_demodulated(OnnxGraph& g, const OnnxSamples& samples, const Value& demodulator) {
+  OnnxSamples both = samples;
+  const Value bounded_radiance = g.op("Min", {samples.radiance, g.number(1e35F)});
+  both.radiance = g.concat({g.div(bounded_radiance, demodulator), samples.radiance}, 2);
+  both.radiance_channels = 6;
+  return both;
+}
+
+Value onnx_modulated(OnnxGraph& g, const OnnxSamples& samples, const Value& demodulator,
+                     const Value& filtered, const Value& context) {
+  const Value statistics = g.squeeze(onnx_sample_statistics(g, demodulator, samples.valid), 1);
+  g.enter("modulate");
+  const Value mean = g.slice(statistics, 1, 0, 3), variance = g.slice(statistics, 1, 3, 6);
+  const Value square = g.mul(mean, mean);
+  const Value relative =
+      g.mul(g.reduce_sum(g.div(variance, g.where(g.is_zero(square), g.number(1), square)), {1}),
+            g.number(1 / 3.0F));
+  const Value average = g.op("AveragePool", {relative},
+                             {{"kernel_shape", std::vector<int64_t>{3, 3}},
+                              {"pads", std::vector<int64_t>{1, 1, 1, 1}},
+                              {"count_include_pad", int64_t{0}}});
+  const Value steady = g.exp(g.mul(average, g.number(-12)));
+  const Value logit = g.squeeze(
+      onnx_fully_connected(g, {"modulation.weight", 1, false, 1}, g.unsqueeze(steady, 1), context), 1);
+  const Value plain = g.slice(filtered, 1, 3, 6);
+  const Value known = g.mul(g.to_float(g.op("Greater", {g.reduce_max(mean, {1}), g.number(0)})),
+                            g.to_float(g.op("LessOrEqual", {g.reduce_max(plain, {1}), g.number(1e34F)})));
+  const Value beta = g.mul(g.op("Sigmoid", {logit}), known);
+  return g.add(plain, g.mul(beta, g.sub(g.mul(mean, g.slice(filtered, 1, 0, 3)), plain)));
+}
+
 Value onnx_fully_connected(OnnxGraph& g, const OnnxLayers& network, const Value& x, const Value& context) {
   const Value batch = g.size_of(x, 0), height = g.size_of(x, 3), width = g.size_of(x, 4);
   Value a;
@@ -143,6 +195,7 @@ Value onnx_fully_connected(OnnxGraph& g, const OnnxLayers& network, const Value&
       a = g.reshape(a, {-1, outputs, height, width});
     }
     if (!last || network.activate_last) a = activated(g, a);
+    if (last && network.bound > 0) a = bounded(g, a, float(network.bound));
   }
   return g.reshape(a, {batch, -1, outputs, height, width});
 }
@@ -152,14 +205,14 @@ Value onnx_masked_mean(OnnxGraph& g, const Value& values, const Value& valid) {
   return g.reduce_sum(g.mul(weights, values), {1}, false);
 }
 
-Value onnx_sample_statistics(OnnxGraph& g, const OnnxSamples& samples) {
+Value onnx_sample_statistics(OnnxGraph& g, const Value& values, const Value& valid) {
   g.enter("sample_statistics");
-  const Value mean = onnx_masked_mean(g, samples.features, samples.valid);
-  const Value rest = g.sub(samples.features, g.unsqueeze(mean, 1));
+  const Value mean = onnx_masked_mean(g, values, valid);
+  const Value rest = g.sub(values, g.unsqueeze(mean, 1));
   // The mean of many large values is rounded; what it misses is the mean of the rest.
-  const Value missed = onnx_masked_mean(g, rest, samples.valid);
+  const Value missed = onnx_masked_mean(g, rest, valid);
   const Value deviation = g.sub(rest, g.unsqueeze(missed, 1));
-  const Value variance = onnx_masked_mean(g, g.mul(deviation, deviation), samples.valid);
+  const Value variance = onnx_masked_mean(g, g.mul(deviation, deviation), valid);
   return g.unsqueeze(g.concat({g.add(mean, missed), variance}, 1), 1);
 }
 

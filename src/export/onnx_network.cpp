@@ -20,31 +20,45 @@ Value reduce_samples(OnnxGraph& g, const NetworkConfig& config, const Value& fea
 
 /// models/kernel_generator.h: outputs [first, first + count) of it.
 Value generate(OnnxGraph& g, const NetworkConfig& config, const std::string& name, int64_t first,
-               int64_t count, const Value& embedding, const Value& context) {
+               int64_t count, double bound, const Value& embedding, const Value& context) {
   g.enter(name);
   return onnx_fully_connected(
-      g, {name, config.kernel_generator.size() + 1, false, config.sample_reducer.back(), first, count},
+      g, {name, config.kernel_generator.size() + 1, false, config.sample_reducer.back(), first, count, bound},
       embedding, context);
 }
 
-/// models/compositor.h: [B, 3, H, W].
+/// The logits of its taps.
+Value kernels(OnnxGraph& g, const NetworkConfig& config, const std::string& name, const Value& embedding,
+              const Value& context) {
+  return generate(g, config, name, 0, config.kernel_size * config.kernel_size, config.logit_bound, embedding,
+                  context);
+}
+
+/// What is filtered, before its modulation, and the context at full resolution.
+struct Filtered {
+  Value picture;  // [B, radiance_channels, H, W]
+  Value context;
+};
+
+/// models/compositor.h: [B, channels, H, W].
 Value filter_and_composite(OnnxGraph& g, const NetworkConfig& config, const std::string& generator,
-                           const OnnxPartition& layers, const Value& context) {
+                           const OnnxPartition& layers, int64_t channels, const Value& context) {
   const int64_t kernel = config.kernel_size;
-  const Value logits = generate(g, config, generator, 0, kernel * kernel, layers.embedding, context);
+  const Value logits = kernels(g, config, generator, layers.embedding, context);
   g.enter(generator + "/splat");
   if (config.compositing == "weighted")
-    return onnx_splat(g, logits, layers.log_n, layers.radiance, kernel, 3, true);
-  const Value filtered = onnx_splat(g, logits, layers.log_n,
-                                    g.concat({layers.radiance, layers.transmittance}, 2), kernel, 4, false);
+    return onnx_splat(g, logits, layers.log_n, layers.radiance, kernel, channels, true);
+  const Value filtered =
+      onnx_splat(g, logits, layers.log_n, g.concat({layers.radiance, layers.transmittance}, 2), kernel,
+                 channels + 1, false);
   g.enter(generator + "/composite");
   const auto plane = [&](int64_t layer, int64_t first, int64_t last) {
     return g.squeeze(g.slice(g.slice(filtered, 1, layer, layer + 1), 2, first, last), 1);
   };
-  Value color = plane(0, 0, 3), visible = plane(0, 3, 4);
+  Value color = plane(0, 0, channels), visible = plane(0, channels, channels + 1);
   for (int64_t l = 1; l < config.layers; ++l) {
-    color = g.add(color, g.mul(visible, plane(l, 0, 3)));
-    visible = g.mul(visible, plane(l, 3, 4));
+    color = g.add(color, g.mul(visible, plane(l, 0, channels)));
+    visible = g.mul(visible, plane(l, channels, channels + 1));
   }
   return color;
 }
@@ -69,13 +83,15 @@ Layers make_layers(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples&
 }
 
 /// models/layer_network.h.
-Value layer(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+Filtered layer(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   const Layers layers = make_layers(g, config, samples, 1);
-  return filter_and_composite(g, config, "kernel_generator", layers.partition, layers.context[0]);
+  return {filter_and_composite(g, config, "kernel_generator", layers.partition, samples.radiance_channels,
+                               layers.context[0]),
+          layers.context[0]};
 }
 
 /// models/optimized_network.h.
-Value optimized(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+Filtered optimized(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   const Layers layers = make_layers(g, config, samples, config.levels);
   const std::vector<OnnxPyramidLevel> pyramid = onnx_pyramid(g, layers.partition, config.levels);
   const int64_t kernel = config.kernel_size, radius = kernel / 2;
@@ -91,7 +107,7 @@ Value optimized(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& sa
     const OnnxPyramidLevel& level = pyramid[size_t(i)];
     const Value picture =
         filter_and_composite(g, config, "kernel_generator" + std::to_string(i), level.layers,
-                             layers.context[size_t(i)]);  // G_i
+                             samples.radiance_channels, layers.context[size_t(i)]);  // G_i
     g.enter("levels");
     // Where the kernels of a level reach from a pixel with samples.
     const Value received =
@@ -106,39 +122,42 @@ Value optimized(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& sa
   const Value known = g.concat(log_coverage, 1);  // -inf for a level without anything to say
   const Value nothing = g.op("Equal", {g.reduce_max(known, {1}), g.number(-kInfinity)});
   const Value first_layer = g.slice(pyramid[0].layers.embedding, 1, 0, 1);
-  const Value lambda = g.squeeze(generate(g, config, "kernel_generator0", kernel * kernel, config.levels,
+  const Value lambda = g.squeeze(generate(g, config, "kernel_generator0", kernel * kernel, config.levels, 0,
                                           first_layer, layers.context[0]),
                                  1);
   g.enter("levels");
   const Value logits = g.add(lambda, g.where(nothing, g.number(0), known));
   const Value weights = g.exp(g.sub(logits, g.reduce_max(logits, {1})));
-  const Value share = g.div(weights, g.reduce_sum(weights, {1}));                        // [B, levels, H, W]
-  return g.reduce_sum(g.mul(g.unsqueeze(share, 2), g.concat(pictures, 1)), {1}, false);  // eq. 10
+  const Value share = g.div(weights, g.reduce_sum(weights, {1}));                         // [B, levels, H, W]
+  return {g.reduce_sum(g.mul(g.unsqueeze(share, 2), g.concat(pictures, 1)), {1}, false),  // eq. 10
+          layers.context[0]};
 }
 
 /// models/pixel_network.h.
-Value pixel(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples, bool gather) {
-  const Value embedding = reduce_samples(g, config, onnx_sample_statistics(g, samples));
+Filtered pixel(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples, bool gather) {
+  const Value embedding =
+      reduce_samples(g, config, onnx_sample_statistics(g, samples.features, samples.valid));
   const Value context = onnx_unet(g, config.unet, g.squeeze(embedding, 1), 1)[0];
-  const int64_t kernel = config.kernel_size;
-  const Value logits = generate(g, config, "kernel_generator", 0, kernel * kernel, embedding, context);
+  const int64_t kernel = config.kernel_size, channels = samples.radiance_channels;
+  const Value logits = kernels(g, config, "kernel_generator", embedding, context);
   g.enter("filter");
   const Value radiance = onnx_masked_mean(g, samples.radiance, samples.valid);
   const Value log_n = g.where(g.is_zero(samples.drawn), g.number(-kInfinity), g.number(0));
-  if (gather) return onnx_gather(g, logits, g.squeeze(log_n, 1), radiance, kernel, 3);
-  return g.squeeze(onnx_splat(g, logits, log_n, g.unsqueeze(radiance, 1), kernel, 3, false), 1);
+  if (gather) return {onnx_gather(g, logits, g.squeeze(log_n, 1), radiance, kernel, channels), context};
+  return {g.squeeze(onnx_splat(g, logits, log_n, g.unsqueeze(radiance, 1), kernel, channels, false), 1),
+          context};
 }
 
-Value pixel_gather(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+Filtered pixel_gather(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   return pixel(g, config, samples, true);
 }
 
-Value pixel_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+Filtered pixel_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   return pixel(g, config, samples, false);
 }
 
 /// models/sample_splat_network.h.
-Value sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+Filtered sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   g.enter("valid_features");
   // A sample that is not valid takes the features of the pixel's first valid one.
   const Value missing = g.is_zero(samples.valid);
@@ -149,14 +168,14 @@ Value sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples&
 
   const Value embedding = reduce_samples(g, config, features);
   const Value context = onnx_unet(g, config.unet, onnx_masked_mean(g, embedding, samples.valid), 1)[0];
-  const int64_t kernel = config.kernel_size;
-  const Value logits = generate(g, config, "kernel_generator", 0, kernel * kernel, embedding, context);
+  const Value logits = kernels(g, config, "kernel_generator", embedding, context);
   g.enter("splat");
   const Value log_n = g.where(missing, g.number(-kInfinity), g.number(0));
-  return onnx_splat(g, logits, log_n, samples.radiance, kernel, 3, true);
+  return {onnx_splat(g, logits, log_n, samples.radiance, config.kernel_size, samples.radiance_channels, true),
+          context};
 }
 
-using Translation = Value (*)(OnnxGraph&, const NetworkConfig&, const OnnxSamples&);
+using Translation = Filtered (*)(OnnxGraph&, const NetworkConfig&, const OnnxSamples&);
 
 /// As the registry of models/network.cpp.
 const std::map<std::string, Translation>& translations() {
@@ -180,13 +199,18 @@ onnx::ModelProto onnx_model(const NetworkConfig& config, const std::vector<Tenso
   const Value radiance = g.input("radiance", {"B", "S", "3", "H", "W"});
   const Value valid = g.input("valid", {"B", "S", "1", "H", "W"});
   OnnxSamples samples = onnx_sanitise(g, features, radiance, valid);
-  int64_t channel = 0;
-  for (const std::string& name : config.features) {
-    if (name == "radiance" && config.exposure_normalisation)
-      samples.features = onnx_exposed(g, samples, channel, channels);
-    channel += find_feature(name).channels;
+  const int64_t first_radiance = first_channel(config.features, "radiance");
+  if (config.exposure_normalisation && first_radiance >= 0)
+    samples.features = onnx_exposed(g, samples, first_radiance, channels);
+  Value image;
+  if (config.demodulation == "none") {
+    image = translation->second(g, config, samples).picture;
+  } else {
+    const Value a = onnx_demodulator(g, config, samples.features);
+    const Filtered filtered = translation->second(g, config, onnx_demodulated(g, samples, a));
+    image = onnx_modulated(g, samples, a, filtered.picture, filtered.context);
   }
-  g.output(translation->second(g, config, samples), "image", {"B", "3", "H", "W"});
+  g.output(image, "image", {"B", "3", "H", "W"});
   return g.model();
 }
 

@@ -78,6 +78,15 @@ Tensor max_pool(const Inputs& in, const Attributes& attributes) {
                         attributes.integers("strides", {1, 1}), attributes.symmetric_pads());
 }
 
+/// Without counting what lies outside.
+Tensor average_pool(const Inputs& in, const Attributes& attributes) {
+  if (attributes.integer("count_include_pad", 0) != 0)
+    fail("ONNX node {}: an average that counts the margin", attributes.node());
+  return at::avg_pool2d(in[0], attributes.integers("kernel_shape", {}),
+                        attributes.integers("strides", {1, 1}), attributes.symmetric_pads(),
+                        /*ceil_mode=*/false, /*count_include_pad=*/false);
+}
+
 Tensor pad(const Inputs& in, const Attributes& attributes) {
   const std::vector<int64_t> sizes = list(in[1]);
   const size_t axes = sizes.size() / 2;
@@ -138,8 +147,10 @@ using Operator = Tensor (*)(const Inputs&, const Attributes&);
 
 const std::map<std::string, Operator>& operators() {
   static const std::map<std::string, Operator> by_name = {
+      {"Abs", [](const Inputs& in, const Attributes&) { return in[0].abs(); }},
       {"Add", [](const Inputs& in, const Attributes&) { return in[0] + in[1]; }},
       {"ArgMax", arg_max},
+      {"AveragePool", average_pool},
       {"Cast", cast},
       {"Clip",
        [](const Inputs& in, const Attributes&) { return at::minimum(at::maximum(in[0], in[1]), in[2]); }},
@@ -170,6 +181,8 @@ const std::map<std::string, Operator>& operators() {
       {"Reshape", [](const Inputs& in, const Attributes&) { return in[0].reshape(list(in[1])); }},
       {"Resize", resize},
       {"Shape", shape},
+      {"Sigmoid", [](const Inputs& in, const Attributes&) { return in[0].sigmoid(); }},
+      {"Sign", [](const Inputs& in, const Attributes&) { return in[0].sign(); }},
       {"Slice", slice},
       {"Squeeze", [](const Inputs& in, const Attributes&) { return in[0].squeeze(in[1].item<int64_t>()); }},
       {"Sub", [](const Inputs& in, const Attributes&) { return in[0] - in[1]; }},

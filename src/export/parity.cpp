@@ -9,6 +9,7 @@
 #include "dataset/network_input.h"
 #include "frame/frame_file.h"
 #include "frame/schema.h"
+#include "models/initialise.h"
 #include "weights/model_file.h"
 #include "weights/weight_file.h"
 
@@ -52,7 +53,7 @@ ExportSource untrained_source(const std::filesystem::path& config, uint64_t seed
                config.string(), kAutoFeatures);
   ExportSource source;
   source.network = make_network(network_config);
-  initialise_xavier(*source.network, seed);
+  initialise(*source.network, seed);
   source.provenance = nlohmann::ordered_json({{"untrained", true}, {"seed", seed}}).dump();
   return source;
 }

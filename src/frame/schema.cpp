@@ -80,6 +80,15 @@ int channel_count(const std::vector<std::string>& names) {
   return count;
 }
 
+int first_channel(const std::vector<std::string>& names, const std::string& wanted) {
+  int channel = 0;
+  for (const std::string& name : names) {
+    if (name == wanted) return channel;
+    channel += find_feature(name).channels;
+  }
+  return -1;
+}
+
 std::string describe_features(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) {

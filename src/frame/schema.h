@@ -61,6 +61,9 @@ std::vector<std::string> mh20_feature_names();
 /// Channels that the named features have together.
 int channel_count(const std::vector<std::string>& names);
 
+/// First channel of the feature `wanted` among those of the named ones; -1 when it is not one of them.
+int first_channel(const std::vector<std::string>& names, const std::string& wanted);
+
 /// One line a feature: name, channels, encoding, scale. Two weight files fit the same frames when these
 /// agree.
 std::string describe_features(const std::vector<std::string>& names);

@@ -100,6 +100,7 @@ Tensor fully_connected(const Tensor& x, const Tensor& shared, const FullyConnect
     a = at::conv2d(a, network.weights[i].unsqueeze(2).unsqueeze(3), network.biases[i]);
     if (i + 1 < network.weights.size() || activate_last) a = at::leaky_relu(a, 0.01);
   }
+  if (network.bound > 0) a = at::sign(a) * (network.bound - network.bound / (1 + a.abs() / network.bound));
   return a.unflatten(0, {batch, samples});
 }
 

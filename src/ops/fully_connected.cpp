@@ -29,10 +29,10 @@ struct Problem {
   int64_t tile;
 
   Problem(Tensor x_in, Tensor shared_in, const variable_list& weights, const variable_list& biases,
-          bool activate_last, bool backward)
+          TileNetwork::Last last, bool backward)
       : x(std::move(x_in)),
         shared(std::move(shared_in)),
-        network(tile_network(weights, biases, x.size(2), activate_last, backward)) {
+        network(tile_network(weights, biases, x.size(2), last, backward)) {
     tile = backward ? std::clamp<int64_t>(kBackwardFloats / network.scratch_width(true) / 48 * 48, 96,
                                           kBackwardPixels)
                     : kForwardPixels;
@@ -84,13 +84,15 @@ struct Gradients {
 class FullyConnected : public torch::autograd::Function<FullyConnected> {
  public:
   static Tensor forward(AutogradContext* context, const Tensor& x, const c10::optional<Tensor>& shared,
-                        at::TensorList weights, at::TensorList biases, bool activate_last) {
+                        at::TensorList weights, at::TensorList biases, bool activate_last, double bound) {
     variable_list to_save = {x, shared.value_or(Tensor())};
     to_save.insert(to_save.end(), weights.begin(), weights.end());
     to_save.insert(to_save.end(), biases.begin(), biases.end());
     context->save_for_backward(to_save);
     context->saved_data["activate_last"] = activate_last;
-    const Problem problem(x, shared.value_or(Tensor()), weights.vec(), biases.vec(), activate_last, false);
+    context->saved_data["bound"] = bound;
+    const Problem problem(x, shared.value_or(Tensor()), weights.vec(), biases.vec(),
+                          {activate_last, float(bound)}, false);
     const TileNetwork& network = problem.network;
     const Tensor out = at::empty({x.size(0), x.size(1), network.outputs(), x.size(3)}, x.options());
     at::parallel_for(0, problem.items(), 1, [&](int64_t first, int64_t last) {
@@ -113,8 +115,9 @@ class FullyConnected : public torch::autograd::Function<FullyConnected> {
     const auto count = int64_t(saved.size() - 2) / 2;
     const variable_list weights(saved.begin() + 2, saved.begin() + 2 + count);
     const variable_list biases(saved.begin() + 2 + count, saved.end());
-    const Problem problem(saved[0], saved[1], weights, biases, context->saved_data["activate_last"].toBool(),
-                          true);
+    const TileNetwork::Last ending = {context->saved_data["activate_last"].toBool(),
+                                      float(context->saved_data["bound"].toDouble())};
+    const Problem problem(saved[0], saved[1], weights, biases, ending, true);
     const Tensor gradient = gradients[0].contiguous();
     Tensor x_gradient, shared_gradient;
     if (problem.x.requires_grad()) x_gradient = at::empty_like(problem.x);
@@ -143,7 +146,7 @@ class FullyConnected : public torch::autograd::Function<FullyConnected> {
     variable_list result = {x_gradient, shared_gradient};
     result.insert(result.end(), sums[0].weights.begin(), sums[0].weights.end());
     result.insert(result.end(), sums[0].biases.begin(), sums[0].biases.end());
-    result.emplace_back();  // activate_last
+    result.resize(result.size() + 2);  // activate_last, bound
     return result;
   }
 
@@ -184,6 +187,8 @@ Tensor fully_connected(const Tensor& x, const Tensor& shared, const FullyConnect
                   {x.size(0), kAnySize, x.size(3), x.size(4)}, type);
     inputs += shared.size(1);
   }
+  if (activate_last && network.bound > 0)
+    fail("fully_connected: the last layer has both an activation and a bound, expected one of them");
   if (network.weights.empty() || network.weights.size() != network.biases.size())
     fail("fully_connected: {} weights and {} biases, expected as many of both and at least one",
          network.weights.size(), network.biases.size());
@@ -198,7 +203,7 @@ Tensor fully_connected(const Tensor& x, const Tensor& shared, const FullyConnect
       shared.defined() ? c10::optional<Tensor>(shared.contiguous().flatten(2)) : c10::nullopt;
   const FullyConnectedWeights plain = contiguous(network);
   return FullyConnected::apply(x.contiguous().flatten(3), flat_shared, at::TensorList(plain.weights),
-                               at::TensorList(plain.biases), activate_last)
+                               at::TensorList(plain.biases), activate_last, plain.bound)
       .view({x.size(0), x.size(1), inputs, x.size(3), x.size(4)});
 }
 

@@ -113,7 +113,8 @@ struct FusedFilter {
         shared(shared_in.contiguous()),
         log_n(sources.log_n.contiguous()),
         values(sources.values.contiguous()),
-        network(tile_network(weights.weights, weights.biases, x.size(2), false, false)),
+        network(
+            tile_network(weights.weights, weights.biases, x.size(2), {false, float(weights.bound)}, false)),
         shape{x.size(1), expect_odd_kernel("generated filter", network.outputs()), values.size(2), x.size(3),
               x.size(4)} {}
 

@@ -7,11 +7,11 @@
 
 namespace ld {
 
-/// The kernel of every pixel comes from `generator` (K*K outputs, none activated) applied to x [B, N, X, H,
-/// W] and the shared features [B, Y, H, W], and is applied at once: without a gradient to keep, the K*K
-/// logits exist for a few hundred pixels at a time only (2.4 GB a layer at 1920x1080 with 17x17 taps
-/// otherwise). log_n, values and result as in ops/kernel_splat.h and ops/kernel_gather.h (there N = 1: x [B,
-/// 1, X, H, W]).
+/// The kernel of every pixel comes from `generator` (K*K outputs, not activated; a bound applies) applied to
+/// x [B, N, X, H, W] and the shared features [B, Y, H, W], and is applied at once: without a gradient to
+/// keep, the K*K logits exist for a few hundred pixels at a time only (2.4 GB a layer at 1920x1080 with 17x17
+/// taps otherwise). log_n, values and result as in ops/kernel_splat.h and ops/kernel_gather.h (there N = 1: x
+/// [B, 1, X, H, W]).
 ///
 /// Sums are made in groups of rows: a picture that is a strip of a larger one gives the bits of the larger
 /// one when `first_row` says which row of it the strip begins with (and the strip reaches a kernel's radius

@@ -24,7 +24,7 @@ struct Problem {
         valid(v.contiguous()),
         radiance(r.contiguous()),
         embedding(e.contiguous()),
-        shape{z.size(1), z.size(2), e.size(2), z.size(3) * z.size(4), alpha} {}
+        shape{z.size(1), z.size(2), r.size(2), e.size(2), z.size(3) * z.size(4), alpha} {}
 
   Tensor like(int64_t planes) const {
     return at::empty({logits.size(0), shape.layers, planes, logits.size(3), logits.size(4)},
@@ -56,8 +56,8 @@ class SamplePartition : public torch::autograd::Function<SamplePartition> {
     context->save_for_backward({problem.logits, problem.valid, problem.radiance, problem.embedding});
     context->saved_data["alpha"] = alpha;
     context->set_materialize_grads(false);
-    const Tensor log_n = problem.like(1).squeeze(2), shares = problem.like(3), opacity = problem.like(1),
-                 transmittance = alpha ? problem.like(1) : Tensor(),
+    const Tensor log_n = problem.like(1).squeeze(2), shares = problem.like(problem.shape.channels),
+                 opacity = problem.like(1), transmittance = alpha ? problem.like(1) : Tensor(),
                  features = problem.like(problem.shape.embedding);
     const Pictures<float> n(log_n), r(shares), o(opacity), t(transmittance), e(features);
     problem.for_each_tile(
@@ -101,7 +101,8 @@ Partition partition(const Tensor& logits, const Tensor& valid, const Tensor& rad
   const int64_t batch = logits.size(0), samples = logits.size(1), height = logits.size(3),
                 width = logits.size(4);
   expect_tensor("partition: valid", "[B, S, 1, H, W]", valid, {batch, samples, 1, height, width}, type);
-  expect_tensor("partition: radiance", "[B, S, 3, H, W]", radiance, {batch, samples, 3, height, width}, type);
+  expect_tensor("partition: radiance", "[B, S, C, H, W]", radiance, {batch, samples, kAnySize, height, width},
+                type);
   expect_tensor("partition: embedding", "[B, S, E, H, W]", embedding,
                 {batch, samples, kAnySize, height, width}, type);
   if (runs_composed(logits))

@@ -19,17 +19,18 @@ enum class Compositing { alpha, weighted };
 /// and passes no gradient.
 struct Partition {
   torch::Tensor log_n;          // [B, N, H, W]     log n_l
-  torch::Tensor radiance;       // [B, N, 3, H, W]  L_l / n_l
+  torch::Tensor radiance;       // [B, N, C, H, W]  L_l / n_l
   torch::Tensor opacity;        // [B, N, 1, H, W]  w_l / n_l; 1 for the weighted compositor
   torch::Tensor transmittance;  // [B, N, 1, H, W]  n_(l+1) / n_l = 1 - opacity without its cancellation;
                                 //                  undefined for the weighted compositor
   torch::Tensor embedding;      // [B, N, E, H, W]  E_l, not divided by n_l
 };
 
-/// logits [B, S, N, H, W], valid [B, S, 1, H, W] (0 or not), radiance [B, S, 3, H, W], embedding [B, S, E, H,
-/// W], all of one floating type. A sample whose radiance is NaN or infinite counts as not valid; logits
-/// beyond a quarter of the type's range count as that, NaN as the lowest. Differentiable in all but valid.
-/// The bits do not depend on the thread count. Throws Error on shapes that do not fit.
+/// logits [B, S, N, H, W], valid [B, S, 1, H, W] (0 or not), radiance [B, S, C, H, W] (C = 3, or more where
+/// the light is filtered in several forms), embedding [B, S, E, H, W], all of one floating type. A sample
+/// whose radiance is NaN or infinite counts as not valid; logits beyond a quarter of the type's range count
+/// as that, NaN as the lowest. Differentiable in all but valid. The bits do not depend on the thread count.
+/// Throws Error on shapes that do not fit.
 Partition partition(const torch::Tensor& logits, const torch::Tensor& valid, const torch::Tensor& radiance,
                     const torch::Tensor& embedding, Compositing compositing = Compositing::alpha);
 

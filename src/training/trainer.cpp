@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "core/signals.h"
 #include "metrics/metric.h"
+#include "models/initialise.h"
 #include "training/initial_weights.h"
 #include "training/run_folder.h"
 #include "training/schedule.h"
@@ -43,7 +44,7 @@ TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, Proces
 /// Of a run that continues, checkpoint and rank 0 know better.
 std::shared_ptr<Network> make_initial_network(const TrainConfig& config, bool new_run) {
   std::shared_ptr<Network> network = make_network(config.network);
-  initialise_xavier(*network, config.seed);
+  initialise(*network, config.seed);
   if (new_run && !config.init.empty()) begin_with_weights(config.init, *network);
   return network;
 }

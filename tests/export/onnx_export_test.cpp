@@ -93,7 +93,7 @@ TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
 TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
   for (const NetworkConfig& config : every_config()) {
     const OnnxEvaluator evaluator(exported(config, 30));
-    NetworkInput input = random_input(config, 1, 3, 12, 11, torch::kFloat32, 5);
+    NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 12, 11, torch::kFloat32, 5), config);
     input.valid.fill_(1);
     input.radiance.fill_(2);
     const Tensor image = evaluator.forward(input);

@@ -6,6 +6,7 @@
 #include "core/file_io.h"
 #include "dataset/network_input.h"
 #include "inference/denoiser.h"
+#include "models/initialise.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_dataset.h"
 #include "weights/model_file.h"
@@ -25,7 +26,7 @@ struct TinyFile {
 std::shared_ptr<Network> tiny_network() {
   std::shared_ptr<Network> network =
       make_network(config_from_tree<TinyFile>(parse_config(tiny_network_yaml(), "tiny")).network);
-  initialise_xavier(*network, 3);
+  initialise(*network, 3);
   return network;
 }
 

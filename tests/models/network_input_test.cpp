@@ -147,9 +147,9 @@ TEST(NetworkInput, BadShapesAreErrors) {
     const NetworkInput good = random_input(config, 1, 2, 4, 4, torch::kFloat32);
     NetworkInput bad = good;
     bad.features = good.features.narrow(2, 0, 6);
-    EXPECT_ERROR(
-        network->forward(bad),
-        "network: features has shape [1, 2, 6, 4, 4], expected [B, S, F, H, W] = [any, any, 7, any, any]");
+    EXPECT_ERROR(network->forward(bad), fmt::format("network: features has shape [1, 2, 6, 4, 4], expected "
+                                                    "[B, S, F, H, W] = [any, any, {}, any, any]",
+                                                    channel_count(config.features)));
     bad = good;
     bad.radiance = good.radiance.narrow(4, 0, 3);
     EXPECT_ERROR(network->forward(bad), "network: radiance has shape [1, 2, 3, 4, 3]");

@@ -33,7 +33,7 @@ TEST(NetworkProperty, AConstantImageStaysConstantWithAnyWeights) {
       const auto network = small_network(config, torch::kFloat32);
       scale_logits(*network, scale);
       for (const auto& [h, w] : std::vector<std::pair<int64_t, int64_t>>{{9, 11}, {1, 1}, {2, 7}}) {
-        NetworkInput input = random_input(config, 1, 3, h, w, torch::kFloat32);
+        NetworkInput input = with_one_reflectance(random_input(config, 1, 3, h, w, torch::kFloat32), config);
         if (h * w == 1) input.valid.fill_(1);
         input.radiance = (input.valid * 2.5).expand({1, 3, 3, h, w}).contiguous();
         const torch::NoGradGuard no_graph;
@@ -49,7 +49,7 @@ TEST(NetworkProperty, AConstantStaysWhereverASampleIsInReach) {
   for (NetworkConfig config : every_config()) {
     const auto network = small_network(config, torch::kFloat32);
     scale_logits(*network, 1e3);
-    NetworkInput input = random_input(config, 1, 3, 33, 29, torch::kFloat32);
+    NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 33, 29, torch::kFloat32), config);
     input.valid.fill_(1);
     input.valid.narrow(3, 3, 30).zero_();
     input.radiance = (input.valid * 2.5).expand({1, 3, 3, 33, 29}).contiguous();
@@ -91,7 +91,8 @@ TEST(NetworkProperty, EverySizeAndSampleCount) {
          std::vector<std::pair<int64_t, int64_t>>{{1, 1}, {1, 2}, {2, 1}, {31, 33}, {4, 4}, {1080, 3}})
       for (const int64_t samples : {1, 2, 8, 64}) {
         if (h > 1000 && samples > 2) continue;  // the height is what is new
-        NetworkInput input = random_input(config, 1, samples, h, w, torch::kFloat32);
+        NetworkInput input =
+            with_one_reflectance(random_input(config, 1, samples, h, w, torch::kFloat32), config);
         input.valid.select(1, 0).fill_(1);
         const Tensor output = network->forward(input);
         EXPECT_EQ(output.sizes(), (std::vector<int64_t>{1, 3, h, w})) << title(config);

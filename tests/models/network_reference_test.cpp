@@ -28,6 +28,10 @@ Tensor expected_output(const Network& network, const NetworkInput& input) {
   layout.weighted = config.compositing == "weighted";
   layout.levels = config.levels;
   layout.kernel_size = config.kernel_size;
+  layout.logit_bound = config.logit_bound;
+  layout.demodulates = config.demodulation != "none";
+  layout.albedo = first_channel(config.features, "albedo");
+  layout.specular = first_channel(config.features, "specular");
   const reference::Samples samples = {to_grid(input.features), to_grid(input.radiance), to_grid(input.valid)};
   return to_tensor(reference::network(config.name, samples, parameters, layout)).squeeze(1);
 }

@@ -1,5 +1,5 @@
 // The registry: configurations, sizes, initial weights.
-#include "models/network.h"
+#include "models/initialise.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ TEST(Network, ThePublishedConfigurationHasItsParameters) {
 
 TEST(Network, XavierWeightsHaveTheirBoundAndVariance) {
   const auto network = make_network(NetworkConfig());
-  initialise_xavier(*network, 7);
+  initialise(*network, 7);
   for (const auto& entry : network->named_parameters()) {
     const torch::Tensor p = entry.value().detach().to(torch::kFloat64);
     if (p.dim() == 1) {
@@ -43,9 +43,9 @@ TEST(Network, XavierWeightsHaveTheirBoundAndVariance) {
 TEST(Network, TheSameSeedGivesTheSameBits) {
   const auto a = make_network(small_config()), b = make_network(small_config()),
              c = make_network(small_config());
-  initialise_xavier(*a, 1);
-  initialise_xavier(*b, 1);
-  initialise_xavier(*c, 2);
+  initialise(*a, 1);
+  initialise(*b, 1);
+  initialise(*c, 2);
   for (const auto& entry : a->named_parameters()) {
     EXPECT_TRUE(entry.value().equal(b->named_parameters()[entry.key()])) << entry.key();
     if (entry.value().dim() > 1) {
@@ -144,7 +144,7 @@ TEST(Network, EveryNetworkDenoisesAndTrains) {
             (std::vector<std::string>{"layer", "optimized", "pixel_gather", "pixel_splat", "sample_splat"}));
   for (const NetworkConfig& config : every_config()) {
     const auto network = make_network(config);
-    initialise_xavier(*network, 3);
+    initialise(*network, 3);
     const NetworkInput input = random_input(config, 2, 3, 6, 5, torch::kFloat32);
     const torch::Tensor output = network->forward(input);
     EXPECT_EQ(output.sizes(), (std::vector<int64_t>{2, 3, 6, 5})) << title(config);

@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "frame/schema.h"
-#include "models/network.h"
+#include "models/initialise.h"
 #include "tests/support/tensors.h"
 
 namespace ld {
@@ -22,14 +22,19 @@ inline NetworkConfig small_config() {
   return config;
 }
 
-/// small_config() of every registered network, also of the one that is added tomorrow, and with weighted
-/// compositing of those that have layers.
+/// small_config() of every registered network, also of the one that is added tomorrow: as [MH20] has it, with
+/// demodulation and bounded kernels, and with weighted compositing of those that have layers.
 inline std::vector<NetworkConfig> every_config() {
   std::vector<NetworkConfig> configs;
   for (const std::string& name : network_names()) {
     NetworkConfig config = small_config();
     config.name = name;
     configs.push_back(config);
+    NetworkConfig demodulating = config;
+    demodulating.features = {"radiance", "specular", "depth", "albedo"};
+    demodulating.demodulation = "albedo";
+    demodulating.logit_bound = 4;
+    configs.push_back(demodulating);
     config.compositing = "weighted";
     try {
       make_network(config);
@@ -43,7 +48,8 @@ inline std::vector<NetworkConfig> every_config() {
 
 /// What a failing test calls the network.
 inline std::string title(const NetworkConfig& config) {
-  return config.name + " " + config.compositing + ", " + std::to_string(config.layers) + " layers";
+  return config.name + " " + config.compositing + ", " + std::to_string(config.layers) + " layers" +
+         (config.demodulation == "none" ? "" : ", demodulating");
 }
 
 inline bool has_layers(const NetworkConfig& config) {
@@ -58,6 +64,16 @@ inline NetworkInput random_input(const NetworkConfig& config, int64_t b, int64_t
   const torch::Tensor features =
       random_normal({b, s, channel_count(config.features), h, w}, seed + 2) * valid;
   return {features.to(type), radiance.to(type), valid.to(type)};
+}
+
+/// The same reflectance everywhere, where the network divides by one: a constant picture is then constant
+/// light, and what is sent from pixel to pixel is the radiance itself.
+inline NetworkInput with_one_reflectance(NetworkInput input, const NetworkConfig& config) {
+  if (config.demodulation == "none") return input;
+  for (const char* name : {"albedo", "specular"})
+    if (const int64_t first = first_channel(config.features, name); first >= 0)
+      input.features.narrow(2, first, 3).fill_(0.4);
+  return input;
 }
 
 inline NetworkInput to_type(const NetworkInput& input, torch::ScalarType type) {
@@ -89,7 +105,7 @@ inline void scale_logits(Network& network, double scale) {
 inline std::shared_ptr<Network> small_network(const NetworkConfig& config, torch::ScalarType type,
                                               uint64_t seed = 1) {
   const auto network = make_network(config);
-  initialise_xavier(*network, seed);
+  initialise(*network, seed);
   network->to(type);
   const torch::NoGradGuard no_gradient;
   uint32_t index = 100;

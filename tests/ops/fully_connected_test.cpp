@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "core/error.h"
 #include "tests/support/gradient_check.h"
 #include "tests/support/scalar_reference.h"
@@ -91,6 +94,54 @@ TEST(FullyConnected, GradientsAgreeWithFiniteDifferences) {
   }
 }
 
+// c x / (c + |x|) of the last layer, forward and backward, in double and on the kernels.
+TEST(FullyConnected, TheBoundOfTheLastLayerAgreesWithItsFormula) {
+  for (const double c : {0.5, 4.0}) {
+    Problem p(kSizes[2]);
+    const Tensor x = p.expected(false);
+    p.weights.bound = c;
+    const Tensor expected = c * x / (c + x.abs());
+    expect_near(fully_connected(p.x, p.shared, p.weights, false), expected, 1e-12);
+    FullyConnectedWeights single;
+    single.bound = c;
+    for (const Tensor& w : p.weights.weights) single.weights.push_back(variable(w.to(torch::kFloat32)));
+    for (const Tensor& b : p.weights.biases) single.biases.push_back(variable(b.to(torch::kFloat32)));
+    const Tensor out = fully_connected(p.x.to(torch::kFloat32), p.shared.to(torch::kFloat32), single, false);
+    expect_near(out, expected, 2e-6 * c);
+    EXPECT_LT(out.abs().max().item<double>(), c);
+
+    const Tensor w = variable(p.weights.weights.back());
+    p.weights.weights.back() = w;
+    const Tensor gradient = random_normal(expected.sizes(), 5);
+    fully_connected(p.x, p.shared, p.weights, false).backward(gradient);
+    out.backward(gradient.to(torch::kFloat32));
+    expect_near(single.weights.back().grad(), w.grad(), 1e-4);
+    expect_gradients(
+        [&](const std::vector<Tensor>& in) {
+          FullyConnectedWeights weights = p.weights;
+          weights.weights.back() = in[0];
+          return fully_connected(p.x, p.shared, weights, false);
+        },
+        {variable(w)}, 20);
+  }
+}
+
+TEST(FullyConnected, TheBoundHoldsAtTheExtremes) {
+  for (const float value :
+       {0.0F, 1e-45F, 1e-38F, 65504.0F, 3e38F, -3e38F, std::numeric_limits<float>::infinity()}) {
+    FullyConnectedWeights identity{{variable(torch::ones({1, 1}))}, {variable(torch::zeros({1}))}, 6};
+    const Tensor x = torch::full({1, 1, 1, 2, 3}, value);
+    const Tensor out = fully_connected(x, {}, identity, false);
+    EXPECT_TRUE(out.isfinite().all().item<bool>()) << value;
+    EXPECT_LE(out.abs().max().item<double>(), 6) << value;
+    if (std::abs(value) < 1) {
+      EXPECT_NEAR(out.max().item<double>(), value, 1e-6);
+    }
+    out.sum().backward();
+    EXPECT_FALSE(identity.biases[0].grad().isnan().any().item<bool>()) << value;
+  }
+}
+
 TEST(FullyConnected, ThreadsChangeNoBit) {
   const Problem p({2, 2, 3, 7, 23, 41, {40, 289}, false});
   const int threads = at::get_num_threads();
@@ -125,6 +176,9 @@ TEST(FullyConnected, BadShapesAreErrors) {
   EXPECT_THROW(fully_connected(p.x, p.shared.narrow(3, 0, 1), p.weights, false), Error);
   EXPECT_THROW(fully_connected(p.x, p.shared.to(torch::kFloat32), p.weights, false), Error);
   EXPECT_THROW(fully_connected(p.x, p.shared, {}, false), Error);
+  FullyConnectedWeights both = p.weights;
+  both.bound = 1;
+  EXPECT_THROW(fully_connected(p.x, p.shared, both, true), Error);
   try {
     fully_connected(p.x.narrow(2, 0, 4), p.shared, p.weights, false);
     FAIL() << "accepted 8 inputs for 9";

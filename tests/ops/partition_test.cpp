@@ -133,11 +133,28 @@ TEST(WeightedSum, GradientsAgreeWithFiniteDifferences) {
                    120);
 }
 
+// Light in two forms side by side is what each of them is alone.
+TEST(Partition, TakesAnyNumberOfRadianceChannels) {
+  for (const Compositing compositing : {Compositing::alpha, Compositing::weighted}) {
+    const Samples in(2, 3, 2, 5, 7);
+    const auto single = [](const Tensor& t) { return t.to(torch::kFloat32); };
+    const auto run = [&](const Tensor& radiance) {
+      return partition(single(in.logits), single(in.valid), single(radiance), single(in.embedding),
+                       compositing);
+    };
+    const Tensor other = in.radiance * 3 + 1;
+    const Partition both = run(at::cat({other, in.radiance}, 2)), first = run(other),
+                    second = run(in.radiance);
+    EXPECT_TRUE(both.radiance.equal(at::cat({first.radiance, second.radiance}, 2)));
+    EXPECT_TRUE(both.log_n.equal(second.log_n));
+  }
+}
+
 TEST(Partition, BadShapesAreErrors) {
   const Samples in(1, 2, 2, 3, 4);
   EXPECT_THROW(partition(in.logits[0], in.valid, in.radiance, in.embedding), Error);
   EXPECT_THROW(partition(in.logits, in.valid.narrow(1, 0, 1), in.radiance, in.embedding), Error);
-  EXPECT_THROW(partition(in.logits, in.valid, in.radiance.narrow(2, 0, 2), in.embedding), Error);
+  EXPECT_THROW(partition(in.logits, in.valid, in.radiance.narrow(3, 0, 1), in.embedding), Error);
   EXPECT_THROW(partition(in.logits, in.valid, in.radiance, in.embedding.narrow(4, 0, 3)), Error);
   EXPECT_THROW(partition(in.logits, in.valid.to(torch::kFloat32), in.radiance, in.embedding), Error);
   EXPECT_THROW(masked_mean(in.embedding, in.valid.narrow(3, 0, 1)), Error);

@@ -48,7 +48,7 @@ TEST(Networks, AConstantStaysForLogitsOfAnySizeAndOneToEightLayers) {
         config.kernel_size = 5;
         const auto network = small_network(config, torch::kFloat32);
         scale_logits(*network, scale);
-        NetworkInput input = random_input(config, 1, 3, 9, 10, torch::kFloat32);
+        NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 9, 10, torch::kFloat32), config);
         input.radiance = (input.valid * 0.7F).expand({1, 3, 3, 9, 10}).contiguous();
         const c10::InferenceMode no_graph;
         const double error = (network->forward(input) / 0.7F - 1).abs().max().item<double>();
@@ -69,7 +69,7 @@ TEST(Networks, TheResultLiesWithinTheSamplesInReach) {
     for (const double scale : {1.0, 30.0}) {
       const auto network = small_network(config, torch::kFloat32);
       scale_logits(*network, scale);
-      NetworkInput input = random_input(config, 1, 3, 24, 26, torch::kFloat32);
+      NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 24, 26, torch::kFloat32), config);
       input.radiance = input.radiance.pow(6);
       const double infinity = std::numeric_limits<double>::infinity();
       const int64_t radius = reach(config), size = 2 * radius + 1;

@@ -53,6 +53,18 @@ FirstHalf first_half(const Samples& samples, const Parameters& parameters, const
   return {embedding, unet(masked_mean(embedding, samples.valid), parameters, layout.unet)};
 }
 
+/// c x / (c + |x|) of the first `taps` channels.
+Grid bounded(Grid logits, const NetworkLayout& layout) {
+  const double c = layout.logit_bound;
+  each(logits, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    for (int64_t t = 0; t < layout.kernel_size * layout.kernel_size && c > 0; ++t) {
+      double& z = logits(b, s, t, y, x);
+      z = c * z / (c + std::abs(z));
+    }
+  });
+  return logits;
+}
+
 Layers make_layers(const Samples& samples, const FirstHalf& half, const Parameters& parameters) {
   const Grid logits =
       fully_connected(half.embedding, half.context[0], parameters, "sample_partitioner.", false);
@@ -62,14 +74,15 @@ Layers make_layers(const Samples& samples, const FirstHalf& half, const Paramete
 Grid layer(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
   const Layers layers = make_layers(samples, half, parameters);
-  const Grid kernels =
-      fully_connected(layers.embedding, half.context[0], parameters, "kernel_generator.", false);
+  const Grid kernels = bounded(
+      fully_connected(layers.embedding, half.context[0], parameters, "kernel_generator.", false), layout);
   return filter_layers(kernels, layers, layout.weighted);
 }
 
 Grid sample_splat(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
-  Grid kernels = fully_connected(half.embedding, half.context[0], parameters, "kernel_generator.", false);
+  Grid kernels = bounded(
+      fully_connected(half.embedding, half.context[0], parameters, "kernel_generator.", false), layout);
   Grid values = samples.radiance, ones = samples.valid;
   each(values, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
     if (samples.valid(b, s, 0, y, x) != 0) return;
@@ -100,7 +113,8 @@ Grid pixel(const Samples& samples, const Parameters& parameters, const NetworkLa
   const Grid embedding = fully_connected(statistics(samples.features, samples.valid), Grid(), parameters,
                                          "sample_reducer.", true);
   const Grid context = unet(embedding, parameters, layout.unet)[0];
-  const Grid kernels = fully_connected(embedding, context, parameters, "kernel_generator.", false);
+  const Grid kernels =
+      bounded(fully_connected(embedding, context, parameters, "kernel_generator.", false), layout);
   const Grid radiance = masked_mean(samples.radiance, samples.valid), given = drawn(samples.valid);
   return gathers ? gather(kernels, radiance, given) : divide(splat(kernels, radiance), splat(kernels, given));
 }
@@ -132,7 +146,8 @@ Grid optimized(const Samples& samples, Parameters parameters, const NetworkLayou
   const Layers layers = make_layers(samples, half, parameters);
   const int64_t taps = layout.kernel_size * layout.kernel_size, h = samples.valid.h, w = samples.valid.w;
 
-  Grid sum(samples.valid.b, 1, 3, h, w), lambda_sum(samples.valid.b, 1, 1, h, w), lambda_logits;
+  Grid sum(samples.valid.b, 1, samples.radiance.c, h, w), lambda_sum(samples.valid.b, 1, 1, h, w),
+      lambda_logits;
   for (int64_t level = 0; level < layout.levels; ++level) {
     const Grid pixels = block_sum(drawn(samples.valid), level);
     Layers coarse = {block_sum(layers.weight, level), block_sum(layers.occupancy, level),
@@ -141,8 +156,9 @@ Grid optimized(const Samples& samples, Parameters parameters, const NetworkLayou
       for (int64_t c = 0; c < coarse.embedding.c; ++c)
         coarse.embedding(b, l, c, y, x) /= std::max(pixels(b, 0, 0, y, x), 1.0);
     });
-    const Grid outputs = fully_connected(coarse.embedding, half.context[size_t(level)], parameters,
-                                         "kernel_generator" + std::to_string(level) + ".", false);
+    const Grid outputs = bounded(fully_connected(coarse.embedding, half.context[size_t(level)], parameters,
+                                                 "kernel_generator" + std::to_string(level) + ".", false),
+                                 layout);
     Grid kernels(outputs.b, outputs.s, taps, outputs.h, outputs.w);
     each(kernels, [&](int64_t b, int64_t l, int64_t y, int64_t x) {
       for (int64_t t = 0; t < taps; ++t) kernels(b, l, t, y, x) = outputs(b, l, t, y, x);
@@ -156,7 +172,7 @@ Grid optimized(const Samples& samples, Parameters parameters, const NetworkLayou
     // The mean of what arrived, times lambda: a level counts by how much of it arrived.
     each(sum, [&](int64_t b, int64_t, int64_t y, int64_t x) {
       const double lambda = std::exp(lambda_logits(b, 0, taps + level, y, x));
-      for (int64_t c = 0; c < 3; ++c) sum(b, 0, c, y, x) += lambda * global(b, 0, c, y, x);
+      for (int64_t c = 0; c < sum.c; ++c) sum(b, 0, c, y, x) += lambda * global(b, 0, c, y, x);
       lambda_sum(b, 0, 0, y, x) += lambda * coverage(b, 0, 0, y, x);
     });
   }
@@ -181,14 +197,99 @@ Grid statistics(const Grid& values, const Grid& valid) {
   return out;
 }
 
-Grid network(const std::string& name, const Samples& samples, const Parameters& parameters,
-             const NetworkLayout& layout) {
+namespace {
+
+Grid filtered(const std::string& name, const Samples& samples, const Parameters& parameters,
+              const NetworkLayout& layout) {
   if (name == "layer") return layer(samples, parameters, layout);
   if (name == "sample_splat") return sample_splat(samples, parameters, layout);
   if (name == "pixel_gather") return pixel(samples, parameters, layout, true);
   if (name == "pixel_splat") return pixel(samples, parameters, layout, false);
   if (name == "optimized") return optimized(samples, parameters, layout);
   throw std::invalid_argument("no scalar reference of the network " + name);
+}
+
+/// a_s: albedo + specular in [0.02, 64], 1 where all channels are at most 1e-4.
+Grid demodulator(const Grid& features, const NetworkLayout& layout) {
+  Grid a(features.b, features.s, 3, features.h, features.w);
+  each(a, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    bool none = true;
+    for (int64_t c = 0; c < 3; ++c) {
+      double& sum = a(b, s, c, y, x);
+      sum = features(b, s, layout.albedo + c, y, x);
+      if (layout.specular >= 0) sum += features(b, s, layout.specular + c, y, x);
+      none = none && sum <= 1e-4;
+    }
+    for (int64_t c = 0; c < 3; ++c)
+      a(b, s, c, y, x) = none ? 1 : std::min(std::max(a(b, s, c, y, x), 0.02), 64.0);
+  });
+  return a;
+}
+
+/// L / a, L.
+Grid both_forms(const Grid& radiance, const Grid& a) {
+  Grid both(radiance.b, radiance.s, 6, radiance.h, radiance.w);
+  each(both, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    for (int64_t c = 0; c < 3; ++c) {
+      both(b, s, c, y, x) = radiance(b, s, c, y, x) / a(b, s, c, y, x);
+      both(b, s, 3 + c, y, x) = radiance(b, s, c, y, x);
+    }
+  });
+  return both;
+}
+
+/// exp(-12 v), v the mean of the relative variances in the 3x3 pixels that there are.
+Grid steadiness(const Grid& statistics) {
+  Grid variance(statistics.b, 1, 1, statistics.h, statistics.w), out = variance;
+  each(variance, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    for (int64_t c = 0; c < 3; ++c) {
+      const double mean = statistics(b, 0, c, y, x);
+      if (mean > 0) variance(b, 0, 0, y, x) += statistics(b, 0, 3 + c, y, x) / (mean * mean) / 3;
+    }
+  });
+  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    double sum = 0, count = 0;
+    for (int64_t yy = std::max<int64_t>(y - 1, 0); yy < std::min(y + 2, out.h); ++yy)
+      for (int64_t xx = std::max<int64_t>(x - 1, 0); xx < std::min(x + 2, out.w); ++xx, ++count)
+        sum += variance(b, 0, 0, yy, xx);
+    out(b, 0, 0, y, x) = std::exp(-12 * sum / count);
+  });
+  return out;
+}
+
+Grid modulated(const Grid& both, const Grid& statistics, const Grid& beta_logits) {
+  Grid out(both.b, 1, 3, both.h, both.w);
+  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    const bool drawn = statistics(b, 0, 0, y, x) > 0;
+    const double beta = drawn ? 1 / (1 + std::exp(-beta_logits(b, 0, 0, y, x))) : 0;
+    for (int64_t c = 0; c < 3; ++c)
+      out(b, 0, c, y, x) =
+          beta * statistics(b, 0, c, y, x) * both(b, 0, c, y, x) + (1 - beta) * both(b, 0, 3 + c, y, x);
+  });
+  return out;
+}
+
+Grid context_of(const std::string& name, const Samples& samples, const Parameters& parameters,
+                const NetworkLayout& layout) {
+  if (name != "pixel_gather" && name != "pixel_splat")
+    return first_half(samples, parameters, layout).context[0];
+  const Grid embedding = fully_connected(statistics(samples.features, samples.valid), Grid(), parameters,
+                                         "sample_reducer.", true);
+  return unet(embedding, parameters, layout.unet)[0];
+}
+
+}  // namespace
+
+Grid network(const std::string& name, const Samples& samples, const Parameters& parameters,
+             const NetworkLayout& layout) {
+  if (!layout.demodulates) return filtered(name, samples, parameters, layout);
+  const Grid a = demodulator(samples.features, layout), of_pixels = statistics(a, samples.valid);
+  Samples demodulated = samples;
+  demodulated.radiance = both_forms(samples.radiance, a);
+  const Grid beta_logits =
+      fully_connected(steadiness(of_pixels), context_of(name, samples, parameters, layout), parameters,
+                      "modulation.weight.", false);
+  return modulated(filtered(name, demodulated, parameters, layout), of_pixels, beta_logits);
 }
 
 }  // namespace ld::reference

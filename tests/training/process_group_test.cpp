@@ -10,7 +10,7 @@
 
 #include "dataset/training_set.h"
 #include "losses/loss.h"
-#include "models/network.h"
+#include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/free_port.h"
 #include "tests/support/ranks.h"
@@ -180,7 +180,7 @@ std::vector<torch::Tensor> gradients(const std::filesystem::path& data, int proc
     sets.push_back({std::make_unique<FrameStore>(data, "train", config.features, CacheOptions{}), 1});
     TrainingSet set(std::move(sets), config.features, options);
     const std::shared_ptr<Network> network = make_network(config);
-    initialise_xavier(*network, 3);
+    initialise(*network, 3);
     Batch batch = set.batch(3);
     (make_loss("smape")(network->forward(batch.input), batch.reference) * set.batch_share()).backward();
     std::vector<torch::Tensor> mine;

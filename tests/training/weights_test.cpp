@@ -1,6 +1,7 @@
 // What a run begins with, averages and accumulates.
 #include <gtest/gtest.h>
 
+#include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/tensors.h"
 #include "tests/training/tiny_training.h"
@@ -21,7 +22,7 @@ NetworkConfig tiny_network(const std::string& name, const std::vector<std::strin
 
 std::shared_ptr<Network> random_network(const NetworkConfig& config, uint64_t seed) {
   std::shared_ptr<Network> network = make_network(config);
-  initialise_xavier(*network, seed);
+  initialise(*network, seed);
   return network;
 }
 

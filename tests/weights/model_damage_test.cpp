@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_dataset.h"
@@ -27,7 +28,7 @@ std::string good_file(const fs::path& path) {
   const auto config =
       config_from_tree<NetworkConfig>(*parse_config(tiny_network_yaml(), "tiny").find("network"));
   const std::shared_ptr<Network> network = make_network(config);
-  initialise_xavier(*network, 1);
+  initialise(*network, 1);
   save_model(path, *network, R"({"steps": 40})", DType::f32);
   return read_file(path);
 }

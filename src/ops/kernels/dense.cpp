@@ -27,6 +27,12 @@ HWY_INLINE V leaky_relu(D d, V x) {
   return hn::Max(x, hn::Mul(x, hn::Set(d, 0.01f)));
 }
 
+/// c x / (c + |x|), in a form that an infinite x does not break.
+HWY_INLINE V bounded(D d, V x, V bound) {
+  const V rest = hn::Div(bound, hn::Add(bound, hn::Abs(x)));
+  return hn::CopySign(hn::Mul(bound, hn::Sub(hn::Set(d, 1.0f), rest)), x);
+}
+
 /// Rows [row, row + kMr) of the product, kNv vectors of pixels from `column`.
 template <int kMr, int kNv>
 HWY_INLINE void product_block(const TileProduct& t, int64_t row, int64_t column) {
@@ -63,6 +69,7 @@ HWY_INLINE void product_block(const TileProduct& t, int64_t row, int64_t column)
     for (int v = 0; v < kNv; ++v) {
       V result = sum[r][v];
       if (t.epilogue == Epilogue::leaky_relu) result = leaky_relu(d, result);
+      if (t.epilogue == Epilogue::bounded) result = bounded(d, result, hn::Set(d, t.bound));
       if (t.epilogue == Epilogue::leaky_relu_backward) {
         const V a = hn::Load(d, t.activated + (row + r) * t.activated_pitch + column + v * lanes);
         result = hn::IfThenElse(hn::Gt(a, hn::Zero(d)), result, hn::Mul(result, hn::Set(d, 0.01f)));
@@ -211,6 +218,18 @@ void leaky_relu_backward_tile(const float* HWY_RESTRICT a, float* HWY_RESTRICT g
     }
 }
 
+void bounded_backward_tile(const float* HWY_RESTRICT a, float* HWY_RESTRICT g, int64_t rows, int64_t pitch,
+                           int64_t pixels, float bound) {
+  const D d;
+  const V inverse = hn::Set(d, 1.0f / bound);
+  for (int64_t r = 0; r < rows; ++r)
+    for (int64_t p = 0; p < pixels; p += int64_t(hn::Lanes(d))) {
+      const int64_t i = r * pitch + p;
+      const V rest = hn::NegMulAdd(hn::Abs(hn::Load(d, a + i)), inverse, hn::Set(d, 1.0f));
+      hn::Store(hn::Mul(hn::Load(d, g + i), hn::Mul(rest, rest)), d, g + i);
+    }
+}
+
 void stream_rows_tile(const float* HWY_RESTRICT from, int64_t pitch, int64_t rows, int64_t pixels,
                       float* HWY_RESTRICT to, int64_t stride) {
   const D d;
@@ -251,6 +270,7 @@ HWY_EXPORT(outer_product_tile);
 HWY_EXPORT(row_sums_tile);
 HWY_EXPORT(add_rows_tile);
 HWY_EXPORT(leaky_relu_backward_tile);
+HWY_EXPORT(bounded_backward_tile);
 HWY_EXPORT(stream_rows_tile);
 
 void multiply(const TileProduct& product) {
@@ -271,6 +291,10 @@ void add_rows(const float* g, int64_t rows, int64_t pitch, int64_t pixels, float
 
 void leaky_relu_backward(const float* a, float* g, int64_t rows, int64_t pitch, int64_t pixels) {
   HWY_DYNAMIC_DISPATCH(leaky_relu_backward_tile)(a, g, rows, pitch, pixels);
+}
+
+void bounded_backward(const float* a, float* g, int64_t rows, int64_t pitch, int64_t pixels, float bound) {
+  HWY_DYNAMIC_DISPATCH(bounded_backward_tile)(a, g, rows, pitch, pixels, bound);
 }
 
 void stream_rows(const float* from, int64_t pitch, int64_t rows, int64_t pixels, float* to, int64_t stride) {

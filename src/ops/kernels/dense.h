@@ -33,9 +33,10 @@ class PackedWeights {
   Floats data_;
 };
 
-/// What becomes of a sum before it is stored: nothing, leaky ReLU of slope 0.01, or, in a backward pass, the
-/// product with that function's derivative where it put out `activated`.
-enum class Epilogue { none, leaky_relu, leaky_relu_backward };
+/// What becomes of a sum before it is stored: nothing, leaky ReLU of slope 0.01, the bound of
+/// ops/fully_connected.h, or, in a backward pass, the product with leaky ReLU's derivative where it put out
+/// `activated`.
+enum class Epilogue { none, leaky_relu, bounded, leaky_relu_backward };
 
 /// out = epilogue(weights * in + bias + offset).
 struct TileProduct {
@@ -50,6 +51,7 @@ struct TileProduct {
   const float* activated = nullptr;  // [outputs][activated_pitch], for leaky_relu_backward
   int64_t activated_pitch = 0;
   int64_t pixels = 0;  // a multiple of kPixelStep
+  float bound = 0;     // for Epilogue::bounded
   Epilogue epilogue = Epilogue::none;
 };
 void multiply(const TileProduct& product);
@@ -72,6 +74,9 @@ void add_row_sums(const float* g, int64_t pitch, int64_t rows, int64_t pixels, f
 /// g *= 1 where a > 0 and 0.01 elsewhere, over a tile of `rows` rows: back through a leaky ReLU whose result
 /// was a.
 void leaky_relu_backward(const float* a, float* g, int64_t rows, int64_t pitch, int64_t pixels);
+
+/// g *= (1 - |a| / bound)^2 over a tile: back through the bound of ops/fully_connected.h whose result was a.
+void bounded_backward(const float* a, float* g, int64_t rows, int64_t pitch, int64_t pixels, float bound);
 
 /// total += g over all rows of a tile.
 void add_rows(const float* g, int64_t rows, int64_t pitch, int64_t pixels, float* total);

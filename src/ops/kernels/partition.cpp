@@ -49,9 +49,10 @@ HWY_INLINE V count_samples(D d, const Tile& tile, const PartitionInput& in, int6
   V count = hn::Zero(d);
   for (int64_t s = 0; s < tile.shape.samples; ++s) {
     auto counts = hn::Ne(load(d, in.valid + tile.at(s, x), left), hn::Zero(d));
-    for (int64_t c = 0; c < 3; ++c)
-      counts = hn::And(
-          counts, hn::Lt(hn::Abs(load(d, in.radiance + tile.at(3 * s + c, x), left)), hn::Set(d, kInfinity)));
+    for (int64_t c = 0; c < tile.shape.channels; ++c)
+      counts = hn::And(counts,
+                       hn::Lt(hn::Abs(load(d, in.radiance + tile.at(tile.shape.channels * s + c, x), left)),
+                              hn::Set(d, kInfinity)));
     hn::Store(hn::VecFromMask(d, counts), d, scratch.mask.row(s) + x);
     count = hn::Add(count, hn::IfThenElseZero(counts, hn::Set(d, 1.0f)));
   }
@@ -162,9 +163,9 @@ void tile_forward(const PartitionShape& shape, const PartitionInput& in, const P
       if (out.transmittance != nullptr) store(d, transmittance, out.transmittance + tile.at(l, x), left);
     }
   });
-  for (int64_t c = 0; c < 3; ++c)
+  for (int64_t c = 0; c < shape.channels; ++c)
     tile.each([&](int64_t x, int64_t left) {
-      sum_channel(d, tile, scratch.share, scratch, in.radiance, 3, c, out.radiance, x, left);
+      sum_channel(d, tile, scratch.share, scratch, in.radiance, shape.channels, c, out.radiance, x, left);
     });
   for (int64_t c = 0; c < shape.embedding; ++c)
     tile.each([&](int64_t x, int64_t left) {
@@ -193,11 +194,12 @@ HWY_INLINE void layer_backward(D d, const Tile& tile, const PartitionInput& in, 
   V mean = hn::Zero(d);  // of the gradients of the shares, weighted by them: a softmax's own
   for (int64_t s = 0; s < shape.samples; ++s) {
     V pull = of_opacity;
-    for (int64_t c = 0; c < 3; ++c) {
-      const V value =
-          hn::And(load(d, in.radiance + tile.at(3 * s + c, x), left), hn::Load(d, scratch.mask.row(s) + x));
-      pull = hn::Add(pull,
-                     bounded_product(d, load_gradient(d, from.radiance, tile.at(3 * l + c, x), left), value));
+    for (int64_t c = 0; c < shape.channels; ++c) {
+      const V value = hn::And(load(d, in.radiance + tile.at(shape.channels * s + c, x), left),
+                              hn::Load(d, scratch.mask.row(s) + x));
+      pull = hn::Add(
+          pull, bounded_product(d, load_gradient(d, from.radiance, tile.at(shape.channels * l + c, x), left),
+                                value));
     }
     const V share = share_of(d, shape, n, s, l, x, scratch);
     hn::Store(share, d, scratch.share.row(s * shape.layers + l) + x);
@@ -283,12 +285,12 @@ void tile_backward(const PartitionShape& shape, const PartitionInput& in, const 
         store(d, gradient, to.logits + tile.at(s * layers + l, x), left);
       }
       if (to.radiance == nullptr) continue;
-      for (int64_t c = 0; c < 3; ++c) {
+      for (int64_t c = 0; c < shape.channels; ++c) {
         V sum = hn::Zero(d);
         for (int64_t l = 0; l < layers; ++l)
           sum = hn::MulAdd(hn::Load(d, scratch.share.row(s * layers + l) + x),
-                           load_gradient(d, from.radiance, tile.at(3 * l + c, x), left), sum);
-        store(d, sum, to.radiance + tile.at(3 * s + c, x), left);
+                           load_gradient(d, from.radiance, tile.at(shape.channels * l + c, x), left), sum);
+        store(d, sum, to.radiance + tile.at(shape.channels * s + c, x), left);
       }
     }
   });

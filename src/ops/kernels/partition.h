@@ -7,7 +7,7 @@
 namespace ld {
 
 struct PartitionShape {
-  int64_t samples, layers, embedding, plane;
+  int64_t samples, layers, channels, embedding, plane;
   bool alpha;  // n_l counts the layers behind, else w_l alone
 };
 
@@ -16,13 +16,13 @@ constexpr int64_t kPartitionPixels = 128;  // of a tile: half a page of each pla
 struct PartitionInput {
   const float* logits;     // [S][N]
   const float* valid;      // [S]
-  const float* radiance;   // [S][3]
+  const float* radiance;   // [S][C]
   const float* embedding;  // [S][E]
 };
 
 struct PartitionOutput {
   float* log_n;          // [N]
-  float* radiance;       // [N][3]
+  float* radiance;       // [N][C]
   float* opacity;        // [N]
   float* transmittance;  // [N], null unless alpha
   float* embedding;      // [N][E]

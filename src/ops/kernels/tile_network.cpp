@@ -17,8 +17,8 @@ void unstage(const float* from, int64_t pitch, int64_t rows, int64_t pixels, flo
   stream_rows(from, pitch, rows, pixels, to, stride);
 }
 
-TileNetwork::TileNetwork(std::vector<Layer> layers, int64_t x_inputs, bool activate_last, bool for_backward)
-    : layers_(std::move(layers)), x_inputs_(x_inputs), activate_last_(activate_last) {
+TileNetwork::TileNetwork(std::vector<Layer> layers, int64_t x_inputs, Last last, bool for_backward)
+    : layers_(std::move(layers)), x_inputs_(x_inputs), last_(last) {
   for (size_t i = 0; i < layers_.size(); ++i) {
     const Layer& layer = layers_[i];
     const int64_t inputs = i == 0 ? x_inputs_ : layer.inputs;
@@ -88,6 +88,10 @@ void TileNetwork::forward(Scratch& s, int64_t pixels, float* out, int64_t out_pi
     product.out_pitch = given ? out_pitch : s.pitch;
     product.pixels = padded(pixels);
     product.epilogue = activated(i) ? Epilogue::leaky_relu : Epilogue::none;
+    if (i + 1 == depth() && last_.bound > 0) {
+      product.epilogue = Epilogue::bounded;
+      product.bound = last_.bound;
+    }
     multiply(product);
   }
 }
@@ -95,6 +99,7 @@ void TileNetwork::forward(Scratch& s, int64_t pixels, float* out, int64_t out_pi
 void TileNetwork::backward(Scratch& s, int64_t pixels, const Sums& sums, bool want_x) const {
   const int64_t count = padded(pixels);
   if (activated(depth() - 1)) leaky_relu_backward(s.a.back(), s.g.back(), outputs(), s.pitch, count);
+  if (last_.bound > 0) bounded_backward(s.a.back(), s.g.back(), outputs(), s.pitch, count, last_.bound);
   for (int64_t i = depth() - 1; i >= 0; --i) {
     const size_t layer = size_t(i);
     const int64_t inputs = forward_[layer].inputs, layer_outputs = layers_[layer].outputs;

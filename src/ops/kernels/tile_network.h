@@ -21,8 +21,13 @@ class TileNetwork {
     const float* biases;   // [outputs]
     int64_t outputs, inputs;
   };
+  /// What the last layer's results go through: nothing, leaky ReLU, or a bound (ops/fully_connected.h).
+  struct Last {
+    bool activated = false;
+    float bound = 0;  // 0: none
+  };
   /// The first layer reads x_inputs channels of x and then those that all x of a pixel share.
-  TileNetwork(std::vector<Layer> layers, int64_t x_inputs, bool activate_last, bool for_backward);
+  TileNetwork(std::vector<Layer> layers, int64_t x_inputs, Last last, bool for_backward);
 
   int64_t x_inputs() const { return x_inputs_; }
   int64_t shared_inputs() const { return layers_[0].inputs - x_inputs_; }
@@ -62,11 +67,11 @@ class TileNetwork {
   void end_tile(Scratch& scratch, int64_t pixels, const Sums& sums, bool want_shared) const;
 
  private:
-  bool activated(int64_t layer) const { return layer + 1 < depth() || activate_last_; }
+  bool activated(int64_t layer) const { return layer + 1 < depth() || last_.activated; }
 
   std::vector<Layer> layers_;
   int64_t x_inputs_;
-  bool activate_last_;
+  Last last_;
   std::vector<PackedWeights> forward_, backward_;  // of x; shared ones apart
   std::vector<PackedWeights> shared_;              // forward and, for a backward pass, transposed
 };

@@ -1,0 +1,89 @@
+#include "models/initialise.h"
+
+#include <cmath>
+#include <set>
+
+#include "core/checksum.h"
+#include "core/random.h"
+#include "models/demodulation.h"
+#include "models/kernel_generator.h"
+#include "models/unet.h"
+
+namespace ld {
+namespace {
+
+using torch::Tensor;
+
+constexpr double kSlope = 0.01;  // of the leaky ReLU
+
+/// The weights that no activation follows.
+std::set<std::string> output_weights(Network& network) {
+  std::set<std::string> names;
+  for (const auto& entry : network.named_modules("", /*include_self=*/false)) {
+    if (const auto* layers = dynamic_cast<const FullyConnected*>(entry.value().get());
+        layers != nullptr && layers->last() == LastLayer::linear)
+      names.insert(entry.key() + "." + std::to_string(layers->weights().weights.size() - 1) + ".weight");
+    if (dynamic_cast<const UNet*>(entry.value().get()) != nullptr)
+      names.insert(entry.key() + ".context.weight");
+  }
+  return names;
+}
+
+/// Largest weight of the uniform distribution.
+double bound_of(const Tensor& weight, bool he) {
+  const double taps = double(weight[0][0].numel()), inputs = taps * double(weight.size(1)),
+               outputs = taps * double(weight.size(0));
+  return std::sqrt(he ? 6.0 / ((1 + kSlope * kSlope) * inputs) : 6.0 / (inputs + outputs));
+}
+
+/// Keyed by the parameter's name: no weight depends on what else the network holds.
+void fill_uniform(Tensor& weight, const std::string& name, float bound, uint64_t seed) {
+  RandomStream stream(seed, RandomPurpose::initial_weights, uint32_t(checksum(name.data(), name.size())));
+  const Tensor values = torch::empty(weight.sizes(), torch::kFloat32);
+  float* value = values.data_ptr<float>();
+  for (int64_t i = 0; i < values.numel(); ++i) value[i] = stream.uniform(-bound, bound);
+  weight.copy_(values);
+}
+
+}  // namespace
+
+void KernelGenerator::begin_as_gaussian(double sigma) {
+  const torch::NoGradGuard no_gradient;
+  // Of a bounded logit: from half the bound at the centre to where its slope is 1 % of that at 0.
+  const double top = bound_ > 0 ? 0.5 * bound_ : 0, least = -0.9 * bound_;
+  const int64_t size = std::lround(std::sqrt(double(taps_)));
+  Tensor bias = weights().biases.back();
+  for (int64_t tap = 0; tap < taps_; ++tap) {
+    const auto dx = double(tap % size - size / 2), dy = double(tap / size - size / 2);
+    double logit = top - (dx * dx + dy * dy) / (2 * sigma * sigma);
+    if (bound_ > 0) {
+      logit = std::max(logit, least);
+      logit /= 1 - std::abs(logit) / bound_;  // the inverse of the bound
+    }
+    bias[tap] = logit;
+  }
+}
+
+void initialise(Network& network, uint64_t seed) {
+  const torch::NoGradGuard no_gradient;
+  const NetworkConfig& config = network.config();
+  const std::set<std::string> outputs = output_weights(network);
+  for (auto& entry : network.named_parameters()) {
+    Tensor& parameter = entry.value();
+    if (parameter.dim() < 2) {
+      parameter.zero_();
+      continue;
+    }
+    const bool he = config.initialisation == "he" && outputs.count(entry.key()) == 0;
+    fill_uniform(parameter, entry.key(), float(bound_of(parameter, he)), seed);
+  }
+  for (const auto& module : network.modules(/*include_self=*/false)) {
+    if (auto* modulation = dynamic_cast<Modulation*>(module.get())) modulation->initialise();
+    if (config.initial_kernel == 0) continue;
+    if (auto* generator = dynamic_cast<KernelGenerator*>(module.get()))
+      generator->begin_as_gaussian(config.initial_kernel);
+  }
+  if (config.initial_kernel > 0) network.begin_sharp();
+}
+
+}  // namespace ld

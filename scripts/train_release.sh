@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Trains the released weights further, one core at the lowest priority, so that work goes on beside it:
+#
+#   scripts/train_release.sh DATA [MINUTES]
+#
+# DATA is a data set (data/recipes/release.yaml, rendered so far as there was time for), MINUTES the length of one cycle (default 60).
+# Each network (configs/NAME.yaml) in turn is trained for one cycle of the learning rate, from where the last cycle ended: from
+# out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone, from random weights if there is neither. A cycle that was
+# interrupted goes on bit for bit when the script is started again. After a cycle whose validation beats the released weights' on the
+# same frames, those are replaced, with their card. Environment:
+#   NAMES   networks, in this order (default: common_fast common_fine samples_fast samples_fine)
+#   CYCLES  how many cycles, over all networks (default: for ever)
+#   BIN     default build/bin
+set -euo pipefail
+cd "$(dirname "$0")/.."
+if [ $# -lt 1 ] || [ $# -gt 2 ]; then
+  echo "usage: scripts/train_release.sh DATA [MINUTES]" >&2
+  exit 2
+fi
+data=$1 minutes=${2:-60} bin=${BIN:-build/bin} out=out/release
+names=${NAMES:-common_fast common_fine samples_fast samples_fine}
+cycles=${CYCLES:-0}
+export OMP_WAIT_POLICY=passive
+renice -n 19 $$ > /dev/null
+
+# The folder of the cycle that is to be trained: the last one, unless it is done.
+cycle_of() {
+  local n=0
+  while [ -e "$out/$1/cycle_$n/done" ]; do n=$((n + 1)); done
+  echo "$n"
+}
+
+score() { # the SMAPE of a model on the validation split
+  "$bin/ld_eval" --data "$data" --split validation --model "model=$1" --threads 1 --out "$out/score" --json "$out/score.json" > "$out/score.log"
+  python3 -c 'import json, sys
+print(next(m["scores"]["smape"]["mean"] for m in json.load(open(sys.argv[1]))["methods"] if m["name"] == "model"))' "$out/score.json"
+}
+
+train_cycle() {
+  local name=$1 n
+  n=$(cycle_of "$name")
+  local run=$out/$name/cycle_$n released=models/pretrained/$name.safetensors begin=() rate=()
+  mkdir -p "$out/$name"
+  if [ "$n" -gt 0 ]; then
+    begin=("init=$out/$name/cycle_$((n - 1))")
+  elif [ -e "$released" ]; then
+    begin=("init=$released")
+  fi
+  # Later cycles begin near where they will end: half the rate, a short rise.
+  if [ ${#begin[@]} -gt 0 ]; then rate=(optimizer.learning_rate=0.002 optimizer.one_cycle.rise=0.05); fi
+  echo "== $name, cycle $n: ${begin[*]:-random weights}, $minutes minutes"
+  "$bin/ld_train" --config "configs/$name.yaml" "data.path=$data" "run.minutes=$minutes" "${begin[@]}" "${rate[@]}" --threads 1 --out "$run"
+  touch "$run/done"
+  local new old=inf
+  new=$(score "$run")
+  if [ -e "$released" ]; then old=$(score "$released"); fi
+  echo "== $name, cycle $n: validation SMAPE $new, released $old"
+  if python3 -c "import sys; sys.exit(not float('$new') < float('$old'))"; then
+    "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 0.05 --card --out "$released"
+  fi
+}
+
+done_cycles=0
+while [ "$cycles" -eq 0 ] || [ "$done_cycles" -lt "$cycles" ]; do
+  for name in $names; do
+    train_cycle "$name"
+    done_cycles=$((done_cycles + 1))
+    if [ "$cycles" -gt 0 ] && [ "$done_cycles" -ge "$cycles" ]; then break; fi
+  done
+done
