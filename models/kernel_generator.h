@@ -23,6 +23,11 @@ class KernelGenerator : public FullyConnected {
     return part;
   }
 
+  /// embedding [B, N, E, H, W], context [B, C, H, W] -> the taps' logits [B, N, K*K, H, W].
+  torch::Tensor logits(const torch::Tensor& embedding, const torch::Tensor& context) const {
+    return fully_connected(embedding, context, kernels(), /*activate_last=*/false);
+  }
+
   /// What makes the further outputs.
   FullyConnectedWeights further() const { return outputs(taps_, weights().weights.back().size(0) - taps_); }
 

@@ -38,6 +38,10 @@ Tensor LayerNetwork::denoise(const InputSource& input) {
   });
 }
 
+Kernels LayerNetwork::make_kernels(const InputSource& input) {
+  return kernels_of_layers(input, *kernel_generator_);
+}
+
 int64_t LayerNetwork::memory_bytes(int64_t, int64_t height, int64_t width) const {
   const PictureSize size = {1, height, width};
   return memory_of(size, 1, layers_row_bytes(size), 3 * height * width * int64_t(sizeof(float)));
@@ -109,8 +113,7 @@ Tensor LayerNetwork::kernels_at(const InputSource& given, int64_t x, int64_t y) 
   const Context context =
       make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
   const Layers made = make_layers(input, embeddings, context, y, y + 1);
-  const Tensor logits = fully_connected(made.partition.embedding, made.context, kernel_generator_->kernels(),
-                                        /*activate_last=*/false)
+  const Tensor logits = kernel_generator_->logits(made.partition.embedding, made.context)
                             .select(4, x)
                             .select(3, 0);  // [B, N, K*K]
   const Tensor log_n = made.partition.log_n.select(3, x).select(2, 0).unsqueeze(2);

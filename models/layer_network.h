@@ -44,6 +44,7 @@ class LayerNetwork : public LayeredNetwork {
 
  private:
   torch::Tensor denoise(const InputSource& input) override;
+  Kernels make_kernels(const InputSource& input) override;
   template <class Use>
   torch::Tensor in_layer_strips(const InputSource& input, const Use& use);
   torch::Tensor looked_at(const Layers& layers, int64_t first_row) const;

@@ -46,6 +46,15 @@ LayeredNetwork::Layers LayeredNetwork::make_layers(const InputSource& input,
   return layers_of(parts);
 }
 
+Kernels LayeredNetwork::kernels_of_layers(const InputSource& input, const KernelGenerator& generator) const {
+  const SampleEmbeddings embeddings(*sample_reducer_, input);
+  const Context context =
+      make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
+  const Layers layers = make_layers(input, embeddings, context, 0, input.sizes().height);
+  return {generator.logits(layers.partition.embedding, layers.context), layers.partition.log_n,
+          /*of_layers=*/true};
+}
+
 int64_t LayeredNetwork::layers_row_bytes(const PictureSize& size) const {
   // Of a layer: embedding, radiance, opacity, transmittance and log n; then what they are filtered to and the
   // filter's sums.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "models/context_network.h"
+#include "models/kernel_generator.h"
 #include "models/sample_partitioner.h"
 #include "ops/partition.h"
 
@@ -31,6 +32,9 @@ class LayeredNetwork : public ContextNetwork {
   /// Partitioner and partition of rows [begin, end).
   Layers make_layers(const InputSource& input, const SampleEmbeddings& embeddings, const Context& context,
                      int64_t begin, int64_t end) const;
+
+  /// The kernels of a whole picture's layers.
+  Kernels kernels_of_layers(const InputSource& input, const KernelGenerator& generator) const;
 
   /// Memory of a row of layers, held from one strip to the next, and of a row of samples on the way there.
   int64_t layers_row_bytes(const PictureSize& size) const;

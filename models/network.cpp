@@ -89,6 +89,10 @@ void check_network(const NetworkConfig& config) {
   for (const std::string& feature : config.features)
     if (find_feature(feature); !seen.insert(feature).second)
       fail_usage("network.features names '{}' twice, expected each feature once", feature);
+  for (const std::string& feature : config.optional)
+    if (!config.auto_features() && seen.count(feature) == 0)
+      fail_usage("network.optional names '{}', which is not among network.features ({})", feature,
+                 fmt::join(config.features, ", "));
   if (config.demodulation != "none" && !config.auto_features() &&
       first_channel(config.features, "albedo") < 0)
     fail_usage(
@@ -137,6 +141,12 @@ torch::Tensor Network::forward(NetworkInput input) {
 
 torch::Tensor Network::forward(const InputSource& input) {
   return denoise(admit(input));
+}
+
+Kernels Network::kernels(NetworkInput input) {
+  check_input(input, config_);
+  const int64_t height = input.features.size(3);
+  return make_kernels(WholeInput(admit(WholeInput(std::move(input))).rows(0, height)));
 }
 
 std::vector<std::string> network_names() {

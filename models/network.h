@@ -12,6 +12,15 @@
 
 namespace ld {
 
+/// What the kernels of a picture are made of, for those who watch a training.
+struct Kernels {
+  torch::Tensor
+      logits;  // [B, N, K*K, H, W], of each layer or sample; network "optimized": at full resolution
+  torch::Tensor
+      log_n;  // [B, N, H, W]: pixel p sends exp(logit) n, normalised over all of its taps and layers
+  bool of_layers = false;  // or of samples, or of pixels
+};
+
 /// A network of [MH20]: linear radiance samples and features in, the linear denoised image [B, 3, H, W] out.
 class Network : public torch::nn::Module {
  public:
@@ -29,6 +38,9 @@ class Network : public torch::nn::Module {
   /// The same of an input that comes in strips. Without a gradient to keep, nothing of full resolution exists
   /// for the whole picture but the result (and what keeping makes faster, models/row_strips.h).
   torch::Tensor forward(const InputSource& input);
+
+  /// The kernels that forward() of a small picture would apply, all at once.
+  Kernels kernels(NetworkInput input);
 
   /// What was wrong with the input of the last call.
   const InputFaults& faults() const { return faults_; }
@@ -48,6 +60,7 @@ class Network : public torch::nn::Module {
 
  private:
   virtual torch::Tensor denoise(const InputSource& input) = 0;
+  virtual Kernels make_kernels(const InputSource& input) = 0;
 
   NetworkConfig config_;
   InputFaults faults_;

@@ -2,6 +2,7 @@
 // defaults are the published network ([MH20] section 3 and appendix B).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -39,6 +40,8 @@ struct NetworkConfig {
   std::string name = "layer";  // of the registry in network.cpp
   std::vector<std::string> features = {"radiance", "normal", "depth", "albedo", "specular", "roughness",
                                        "motion",   "coc",    "lens",  "time"};  // or {kAutoFeatures}
+  /// Features that a frame may lack: zeros take their place. data.drop lets a training see that.
+  std::vector<std::string> optional;
   int64_t layers = 2;
   std::string compositing = "alpha";  // or "weighted" ([MH20] section 3.1)
   int64_t levels = 3;  // resolutions of network "optimized": full, 1/2, 1/4, ... ([MH20] section 6)
@@ -60,10 +63,19 @@ struct NetworkConfig {
 
   bool auto_features() const { return features == std::vector<std::string>{kAutoFeatures}; }
 
+  /// The features that are not optional.
+  std::vector<std::string> required_features() const {
+    std::vector<std::string> required;
+    for (const std::string& feature : features)
+      if (std::find(optional.begin(), optional.end(), feature) == optional.end()) required.push_back(feature);
+    return required;
+  }
+
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("name", name);
     v.field_or_word("features", features, kAutoFeatures);
+    v.field("optional", optional);
     v.field("layers", layers, Range{1, 8});
     v.field("compositing", compositing, {"alpha", "weighted"});
     v.field("levels", levels, Range{1, 16});

@@ -152,6 +152,10 @@ void OptimizedNetwork::begin_sharp() {
   bias.narrow(0, 0, 1).fill_(3);
 }
 
+Kernels OptimizedNetwork::make_kernels(const InputSource& input) {
+  return kernels_of_layers(input, *kernel_generators_[0]);
+}
+
 int64_t OptimizedNetwork::memory_bytes(int64_t, int64_t height, int64_t width) const {
   const PictureSize size = {1, height, width};
   const int64_t further = radiance_channels() - 3;

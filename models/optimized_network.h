@@ -28,6 +28,7 @@ class OptimizedNetwork : public LayeredNetwork {
   struct Levels;  // what the levels come to, each at its resolution
 
   torch::Tensor denoise(const InputSource& input) override;
+  Kernels make_kernels(const InputSource& input) override;
   Levels filter_levels(const InputSource& input) const;
   torch::Tensor blend_rows(const Levels& levels, int64_t begin, int64_t end, int64_t width) const;
   torch::Tensor upscale(const torch::Tensor& coarse, int64_t level, int64_t begin, int64_t end,

@@ -58,6 +58,18 @@ Tensor PixelNetwork::denoise(const InputSource& input) {
       })[0];
 }
 
+Kernels PixelNetwork::make_kernels(const InputSource& input) {
+  const InputSource::Sizes sizes = input.sizes();
+  const NetworkInput whole = input.rows(0, sizes.height);
+  const Tensor embedding = sample_reducer_->forward(sample_statistics(whole.features, whole.valid));
+  const Context context = make_context(
+      [&](int64_t begin, int64_t end) { return rows(embedding.squeeze(1), begin, end); }, input, 1);
+  const Tensor drawn = whole.valid.ne(0).any(1);  // [B, 1, H, W]
+  return {kernel_generator_->logits(embedding, context_rows(context, 0, sizes.height)),
+          at::zeros(drawn.sizes(), whole.radiance.options())
+              .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity())};
+}
+
 int64_t PixelNetwork::row_bytes(const PictureSize& size) const {
   return 2 * size.batch *
          (config().unet.context + config().sample_reducer.back() + 32 + 5 * (radiance_channels() - 3)) *

@@ -16,6 +16,7 @@ class PixelNetwork : public ContextNetwork {
 
  private:
   torch::Tensor denoise(const InputSource& input) override;
+  Kernels make_kernels(const InputSource& input) override;
   int64_t row_bytes(const PictureSize& size) const;
 
   /// embedding [B, 1, E, H, W], context [B, C, H, W], log_n [B, H, W] (0, or -inf for a pixel without

@@ -42,6 +42,26 @@ SampleSplatNetwork::SampleSplatNetwork(const NetworkConfig& config)
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
+namespace {
+
+/// 0, or -inf for a sample that is not valid, [B, S, H, W].
+Tensor log_weights(const Tensor& valid) {
+  return at::zeros_like(valid).masked_fill(valid.eq(0), -std::numeric_limits<double>::infinity()).squeeze(2);
+}
+
+}  // namespace
+
+Kernels SampleSplatNetwork::make_kernels(const InputSource& given) {
+  const ValidFeatures input(given);
+  const int64_t height = input.sizes().height;
+  const SampleEmbeddings embeddings(*sample_reducer_, input);
+  const Context context =
+      make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
+  const NetworkInput whole = input.rows(0, height);
+  return {kernel_generator_->logits(embeddings.of_rows(whole, 0, height), context_rows(context, 0, height)),
+          log_weights(whole.valid)};
+}
+
 Tensor SampleSplatNetwork::denoise(const InputSource& given) {
   const ValidFeatures input(given);
   const SampleEmbeddings embeddings(*sample_reducer_, input);  // E_xys
@@ -60,11 +80,8 @@ Tensor SampleSplatNetwork::denoise(const InputSource& given) {
         const Tensor embedding = embeddings.of_rows(strip, first, last);
         strip.features = Tensor();
         const std::vector<Tensor> of_pixels = modulators_of(strip);
-        const Tensor log_n = at::zeros_like(strip.valid)
-                                 .masked_fill(strip.valid.eq(0), -std::numeric_limits<double>::infinity())
-                                 .squeeze(2);
-        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made[0], log_n,
-                                                      strip.radiance, first);
+        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made[0],
+                                                      log_weights(strip.valid), strip.radiance, first);
         const Tensor picture = modulated(filtered, of_pixels.empty() ? Tensor() : of_pixels[0], made[0]);
         return std::vector<Tensor>{rows(picture, begin - first, end - first)};
       })[0];

@@ -18,6 +18,7 @@ class SampleSplatNetwork : public ContextNetwork {
 
  private:
   torch::Tensor denoise(const InputSource& input) override;
+  Kernels make_kernels(const InputSource& input) override;
   int64_t row_bytes(const PictureSize& size, int64_t samples) const;
 
   std::shared_ptr<KernelGenerator> kernel_generator_;

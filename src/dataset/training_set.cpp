@@ -9,7 +9,7 @@ namespace {
 
 /// Streams of their own beside that of a slot's position and turn, which are then those of a training with
 /// all samples.
-constexpr uint32_t kWhich = 1, kHowMany = 2;
+constexpr uint32_t kWhich = 1, kHowMany = 2, kDropped = 3;
 
 EpochPlan make_plan(const std::vector<WeightedStore>& sets, uint64_t seed) {
   std::vector<size_t> frames;
@@ -77,7 +77,28 @@ Batch TrainingSet::batch_with(int64_t step, int samples) const {
   const auto begin = static_cast<size_t>(part_.first), end = begin + static_cast<size_t>(part_.count);
   for (size_t slot = begin; slot < end; ++slot)
     crops.push_back(draw_crop(epoch[first + slot], step, slot, samples));
-  return make_batch(crops, features_);
+  Batch batch = make_batch(crops, features_);
+  drop_features(batch, step);
+  return batch;
+}
+
+/// As frames look that never had the feature: zeros. By hand, as make_batch() does it.
+void TrainingSet::drop_features(Batch& batch, int64_t step) const {
+  if (options_.drop == 0) return;
+  const torch::Tensor& features = batch.input.features;  // [B, S, F, H, W]
+  const int64_t plane = features.size(3) * features.size(4);
+  for (int64_t b = 0; b < features.size(0); ++b) {
+    RandomStream stream(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
+                        static_cast<uint32_t>(part_.first + b), kDropped);
+    for (const std::string& name : options_.optional) {
+      if (static_cast<double>(stream.uniform()) >= options_.drop) continue;
+      const int64_t first = first_channel(features_, name), channels = find_feature(name).channels;
+      for (int64_t s = 0; s < features.size(1); ++s)
+        std::fill_n(
+            features.data_ptr<float>() + ((b * features.size(1) + s) * features.size(2) + first) * plane,
+            channels * plane, 0.0F);
+    }
+  }
 }
 
 std::string TrainingSet::describe(int64_t first, int64_t count) const {

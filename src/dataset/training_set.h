@@ -19,6 +19,8 @@ namespace ld {
 struct TrainingSetOptions {
   AugmentationOptions augmentation;
   SampleRange samples;  // how many of a frame's samples a batch uses (dataset/sample_draw.h)
+  std::vector<std::string> optional;  // features that crops may lack, each in a share `drop` of them
+  double drop = 0;
   int64_t batch = 4;
   uint64_t seed = 1;
   int workers = 2;  // threads that prepare batches ahead of their use; 0: each when it is asked for
@@ -63,6 +65,7 @@ class TrainingSet {
 
  private:
   int sample_count(int64_t step) const;
+  void drop_features(Batch& batch, int64_t step) const;
   FrameCrop draw_crop(const FrameRef& ref, int64_t step, size_t slot, int samples) const;
 
   std::vector<WeightedStore> sets_;

@@ -37,17 +37,19 @@ void FrameBuffers::set_feature(const std::string& name, const float* data, const
   features_[name] = {data, strides != nullptr ? *strides : planar(width_, height_, feature.channels)};
 }
 
-Frame FrameBuffers::gather(const std::vector<std::string>& features) const {
+Frame FrameBuffers::gather(const std::vector<std::string>& features,
+                           const std::vector<std::string>& required) const {
   if (width_ == 0) fail_usage("the frame has no size; call ld_set_size first");
-  for (const std::string& name : features)
+  for (const std::string& name : required)
     if (features_.count(name) == 0)
       fail_usage("feature '{}' has no buffer; these weights read it, set it with ld_set_feature", name);
   Frame frame(width_, height_, spp_);
-  frame.features = features;
+  for (const std::string& name : features)
+    if (features_.count(name) > 0) frame.features.push_back(name);
   if (valid_ != nullptr)
     std::transform(valid_, valid_ + frame.valid.size(), frame.valid.begin(),
                    [](uint8_t drawn) { return uint8_t(drawn != 0); });
-  for (const std::string& name : features) {
+  for (const std::string& name : frame.features) {
     const auto& [data, strides] = features_.at(name);
     const Feature& feature = find_feature(name);
     for (int s = 0; s < spp_; ++s)

@@ -23,8 +23,9 @@ class FrameBuffers {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// A frame with these features, sanitised. Throws UsageError when one was not set, naming it.
-  Frame gather(const std::vector<std::string>& features) const;
+  /// A frame with those of `features` that were set, sanitised. Throws UsageError when a required one was not,
+  /// naming it.
+  Frame gather(const std::vector<std::string>& features, const std::vector<std::string>& required) const;
 
  private:
   struct Buffer {

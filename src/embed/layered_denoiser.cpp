@@ -54,7 +54,7 @@ int threads() {
 
 const std::string* feature(const LdDenoiser* denoiser, int index) {
   if (denoiser == nullptr || index < 0) return nullptr;
-  const auto& features = denoiser->denoiser.features();
+  const auto& features = denoiser->denoiser.network_config().features;
   return size_t(index) < features.size() ? &features[size_t(index)] : nullptr;
 }
 
@@ -103,7 +103,7 @@ void ld_destroy(LdDenoiser* denoiser) {
 }
 
 int ld_feature_count(const LdDenoiser* denoiser) {
-  return denoiser == nullptr ? 0 : int(denoiser->denoiser.features().size());
+  return denoiser == nullptr ? 0 : int(denoiser->denoiser.network_config().features.size());
 }
 
 const char* ld_feature_name(const LdDenoiser* denoiser, int index) {
@@ -158,7 +158,8 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
   return guarded([&] {
     const ld::RuntimeGuard runtime(threads());
     denoiser->cancelled = false;
-    ld::Frame frame = denoiser->buffers.gather(denoiser->denoiser.features());
+    ld::Frame frame =
+        denoiser->buffers.gather(denoiser->denoiser.network_config().features, denoiser->denoiser.features());
     ld::scatter(denoiser->denoiser.denoise(std::move(frame), denoiser->options), picture, strides);
   });
 }

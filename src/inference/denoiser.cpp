@@ -88,22 +88,19 @@ LayerNetwork& layer_network(Network& network) {
 
 }  // namespace
 
-Denoiser::Denoiser(const std::filesystem::path& model) : network_(load_model(model)) {
+Denoiser::Denoiser(const std::filesystem::path& model)
+    : network_(load_model(model)), required_(network_->config().required_features()) {
   network_->eval();
 }
 
 Denoiser::~Denoiser() = default;
-
-const std::vector<std::string>& Denoiser::features() const {
-  return network_->config().features;
-}
 
 const NetworkConfig& Denoiser::network_config() const {
   return network_->config();
 }
 
 Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options) const {
-  const FrameInput input(frame, features());
+  const FrameInput input(frame, network_config().features);
   const Run run(*network_, frame, options);
   return to_image(network_->forward(input).squeeze(0));
 }
@@ -114,7 +111,7 @@ int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {
 
 std::vector<LayerPicture> Denoiser::layers(const Frame& frame, const DenoiseOptions& options) const {
   LayerNetwork& network = layer_network(*network_);
-  const FrameInput input(frame, features());
+  const FrameInput input(frame, network_config().features);
   const Run run(*network_, frame, options);
   const torch::Tensor planes = network.layers(input).squeeze(0);  // [N, 8, H, W]
   std::vector<LayerPicture> layers;
@@ -132,7 +129,7 @@ std::vector<Image> Denoiser::kernels_at(const Frame& frame, int x, int y) const 
   LayerNetwork& network = layer_network(*network_);
   if (x < 0 || y < 0 || x >= frame.width || y >= frame.height)
     fail_usage("there is no pixel ({}, {}) in a frame of {}x{}", x, y, frame.width, frame.height);
-  const FrameInput input(frame, features());
+  const FrameInput input(frame, network_config().features);
   const Run run(*network_, frame, {});
   const torch::Tensor kernels = network.kernels_at(input, x, y)[0];  // [N, K*K]
   const int64_t side = network.config().kernel_size;

@@ -51,8 +51,9 @@ class Denoiser {
   explicit Denoiser(const std::filesystem::path& model);
   ~Denoiser();
 
-  /// The features that frames must hold for this model (for read_frame).
-  const std::vector<std::string>& features() const;
+  /// The features that frames must hold for this model (for read_frame). It reads more where its network has
+  /// optional ones (network_config().features).
+  const std::vector<std::string>& features() const { return required_; }
   const NetworkConfig& network_config() const;
 
   /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. The frame has
@@ -75,6 +76,7 @@ class Denoiser {
 
  private:
   std::shared_ptr<Network> network_;
+  std::vector<std::string> required_;
 };
 
 }  // namespace ld

@@ -34,6 +34,7 @@ struct DataConfig {
   // [LEAST, MOST]: how many of a frame's samples a batch uses (dataset/sample_draw.h); []: all of them.
   std::vector<int64_t> samples;
   int64_t validation_samples = 0;  // the first so many of each frame validate; 0: MOST, or all of them
+  double drop = 0;                 // share of crops that lack a feature of network.optional, for each of them
   double exposure = 0;             // stops: radiance times 2^u, u uniform in [-exposure, exposure]
   std::string cache;               // folder of cache files; "": .cache in each data set; none: no files
   int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
@@ -50,6 +51,7 @@ struct DataConfig {
     v.field("difficulty", difficulty, Range{1, 1024});
     v.field("samples", samples, Range{1, 4096});
     v.field("validation_samples", validation_samples, Range{0, 4096});
+    v.field("drop", drop, Range{0, 1});
     v.field("exposure", exposure, Range{0, 10});
     v.field("cache", cache);
     v.field("cache_megabytes", cache_megabytes, at_least(0));

@@ -88,6 +88,8 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
   options.augmentation = {static_cast<int>(data.crop), data.flips, data.rotations,
                           static_cast<int>(data.difficulty), static_cast<float>(data.exposure)};
   options.samples = sample_range(data);
+  options.drop = data.drop;
+  options.optional = config.network.optional;
   options.batch = data.batch;
   options.seed = config.seed;
   options.workers = static_cast<int>(data.workers);

@@ -271,6 +271,33 @@ TEST(TrainingSet, ExposureScalesSamplesAndReference) {
   }
 }
 
+// A crop lacks an optional feature in its share of the time, all of it; other features and the light are as
+// ever.
+TEST(TrainingSet, OptionalFeaturesAreDropped) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 8);
+  TrainingSetOptions dropping = options(8, 4);
+  dropping.optional = {"normal"};
+  dropping.drop = 0.25;
+  const TrainingSet set = training_set(folder.path(), dropping),
+                    whole = training_set(folder.path(), options(8, 4));
+  int dropped = 0;
+  for (int64_t step = 0; step < 100; ++step) {
+    const Batch batch = set.batch_with(step, 0), full = whole.batch_with(step, 0);
+    EXPECT_TRUE(batch.input.radiance.equal(full.input.radiance));
+    EXPECT_TRUE(batch.input.features.narrow(2, 3, 3).equal(full.input.features.narrow(2, 3, 3)));
+    for (int64_t b = 0; b < 4; ++b) {
+      const torch::Tensor normal = batch.input.features[b].narrow(1, 0, 3);
+      const bool lacks = normal.eq(0).all().item<bool>();
+      dropped += lacks ? 1 : 0;
+      if (!lacks) {
+        EXPECT_TRUE(normal.equal(full.input.features[b].narrow(1, 0, 3)));
+      }
+    }
+  }
+  EXPECT_NEAR(dropped, 100, 44);  // five deviations
+}
+
 TEST(TrainingSet, WhatIsWrongWithAFrameReachesTheCaller) {
   const TemporaryFolder folder;
   write_tiny_dataset(folder.path(), 2);

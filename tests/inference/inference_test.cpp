@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -74,6 +75,34 @@ TEST_F(Inference, MaskedSamplesAreAsIfNeverDrawn) {
   const Denoiser denoiser(model());
   const Image with = denoiser.denoise(two), without = denoiser.denoise(one);
   for (size_t i = 0; i < with.pixels.size(); ++i) EXPECT_NEAR(with.pixels[i], without.pixels[i], 1e-6);
+}
+
+TEST_F(Inference, AFrameMayLackAnOptionalFeature) {
+  NetworkConfig config = network_->config();
+  config.optional = {"specular", "albedo"};
+  const auto network = make_network(config);
+  initialise(*network, 3);
+  save_model(folder_ / "optional.safetensors", *network, "{}", DType::f32);
+  const Denoiser denoiser(folder_ / "optional.safetensors");
+  EXPECT_EQ(denoiser.features().size() + 2, config.features.size());
+  Frame frame = random_frame(9, 7, 3, 4);
+  for (const char* name : {"specular", "albedo"})
+    for (int s = 0; s < frame.spp; ++s)
+      for (int c = 0; c < find_feature(name).channels; ++c)
+        std::fill_n(frame.plane(s, find_feature(name).offset + c), frame.plane_size(), 0.0F);
+  const Image zeros = denoiser.denoise(frame);
+  // Written without them and read again.
+  frame.features.erase(
+      std::remove_if(frame.features.begin(), frame.features.end(),
+                     [](const std::string& name) { return name == "specular" || name == "albedo"; }),
+      frame.features.end());
+  write_frame(folder_ / "frame.exr", frame);
+  Faults faults;
+  const Frame read = read_frame(folder_ / "frame.exr", denoiser.features(), faults);
+  EXPECT_FALSE(read.holds("albedo"));
+  const Image without = denoiser.denoise(read);
+  for (size_t i = 0; i < zeros.pixels.size(); ++i) EXPECT_NEAR(without.pixels[i], zeros.pixels[i], 2e-2);
+  EXPECT_THROW(read_frame(folder_ / "frame.exr", config.features, faults), Error);
 }
 
 TEST_F(Inference, AModelFileKeepsEveryBitAndItsConfiguration) {

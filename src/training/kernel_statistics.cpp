@@ -1,0 +1,36 @@
+#include "training/kernel_statistics.h"
+
+namespace ld {
+
+using torch::Tensor;
+
+namespace {
+
+/// x log x, 0 at 0.
+Tensor x_log_x(const Tensor& x) {
+  return x * x.masked_fill(x.eq(0), 1).log();
+}
+
+}  // namespace
+
+KernelStatistics kernel_statistics(Network& network, const NetworkInput& input) {
+  const torch::NoGradGuard no_graph;
+  const Kernels kernels = network.kernels(input);
+  const Tensor exponents = kernels.logits + kernels.log_n.unsqueeze(2);  // [B, N, K*K, H, W]
+  // A pixel without samples has none but infinite exponents, and its share becomes 0.
+  const Tensor share =
+      at::softmax(exponents.flatten(1, 2), 1).nan_to_num(0).view(exponents.sizes()).to(torch::kFloat64);
+  const double pixels = share.sum().item<double>();  // that send something: each sums to 1
+  const Tensor of_layers = share.sum(2);
+  const int64_t centre = share.size(2) / 2;
+  KernelStatistics statistics;
+  if (pixels == 0) return statistics;
+  // Of a tap when the layer is known: H(tap, layer) - H(layer).
+  statistics.entropy = (x_log_x(of_layers).sum() - x_log_x(share).sum()).item<double>() / pixels;
+  statistics.centre_share = share.select(2, centre).sum().item<double>() / pixels;
+  for (int64_t l = 0; kernels.of_layers && l < share.size(1); ++l)
+    statistics.layer_share.push_back(of_layers.select(1, l).sum().item<double>() / pixels);
+  return statistics;
+}
+
+}  // namespace ld
