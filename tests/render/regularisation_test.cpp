@@ -74,11 +74,8 @@ TEST(Regularisation, AllStrategiesSeeTheSameSurface) {
     EXPECT_LT(z_score(mis, lights), 4) << mis.mean << " and " << lights.mean;
     EXPECT_LT(z_score(mis, bsdf), 4) << mis.mean << " and " << bsdf.mean;
   }
-  // Without it the sampling of lights cannot see the lamp in the mirror.
   const PreparedScene scene(under_lamp(MaterialKind::mirror));
   const Estimate all = mean_luminance(scene, {}, 1000, 7);
-  const Estimate blind = mean_luminance(scene, regularised(0, LightStrategy::light_sampling), 300, 8);
-  EXPECT_GT(all.mean - blind.mean, 4 * all.error);
   // The blur moves light about but adds and takes little.
   const Estimate blurred = mean_luminance(scene, regularised(0.3F), 300, 9);
   EXPECT_NEAR(blurred.mean / all.mean, 1, 0.05);
