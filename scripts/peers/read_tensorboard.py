@@ -15,10 +15,12 @@ import sys
 from tensorboard.backend.event_processing import event_accumulator
 
 COLUMNS = {"train_loss": "training/loss", "epoch": "training/epoch", "learning_rate": "training/learning_rate",
-           "skipped": "training/skipped", "validation_loss": "validation/loss"}
+           "skipped": "training/skipped", "rollbacks": "training/rollbacks", "validation_loss": "validation/loss"}
 
 
 def tag_of(column):
+    if column.startswith("kernel_"):
+        return "kernels/" + column[len("kernel_"):]
     return COLUMNS.get(column, "validation/" + column)
 
 

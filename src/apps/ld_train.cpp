@@ -1,5 +1,7 @@
 // Trains a network, or continues a training: `ld_train --config FILE [key.sub=value ...] --out RUN`.
 
+#include <cmath>
+
 #include "apps/app.h"
 #include "core/config_tree.h"
 #include "core/log.h"
@@ -25,7 +27,7 @@ int main(int argc, char** argv) {
     ld::configure_runtime(app.threads());
     const std::unique_ptr<ld::ProcessGroup> group = ld::ProcessGroup::from_environment();
     if (!group->is_root()) spdlog::set_level(spdlog::level::warn);  // rank 0 speaks for all
-    ld::Trainer trainer(config, run, {group.get(), command, {}});
+    ld::Trainer trainer(config, run, {group.get(), command, {}, {}});
     trainer.train();
 
     if (trainer.total_steps() == 0) return;  // stopped before anything began
@@ -33,9 +35,14 @@ int main(int argc, char** argv) {
     spdlog::info("{} of {} steps done; best validation loss {:.4f} at step {}; weights in {}/checkpoints",
                  state.step, trainer.total_steps(), state.best_score, state.best_step, run);
     if (!group->is_root()) return;
+    if (state.rollbacks > 0)
+      spdlog::warn(
+          "the training collapsed and went back {} times: the learning rate ended at {:g} of the schedule's",
+          state.rollbacks, std::ldexp(1.0, -static_cast<int>(state.rollbacks)));
     app.write_json({{"step", state.step},
                     {"total_steps", trainer.total_steps()},
                     {"skipped", state.skipped},
+                    {"rollbacks", state.rollbacks},
                     {"best_score", state.best_score},
                     {"best_step", state.best_step}});
   });

@@ -18,6 +18,11 @@ std::string name_of(int64_t step) {
   return fmt::format("step_{:08}", step);
 }
 
+/// A number of steps may outgrow its eight digits.
+bool is_newer(const std::string& name, const std::string& other) {
+  return name.size() != other.size() ? name.size() > other.size() : name > other;
+}
+
 bool starts_with(const std::string& text, const std::string& start) {
   return text.rfind(start, 0) == 0;
 }
@@ -71,10 +76,7 @@ std::vector<std::string> CheckpointFolder::names() const {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
       if (starts_with(entry.path().filename().string(), "step_"))
         found.push_back(entry.path().filename().string());
-  // By step: a number may outgrow its eight digits.
-  std::sort(found.begin(), found.end(), [](const std::string& a, const std::string& b) {
-    return a.size() != b.size() ? a.size() > b.size() : a > b;
-  });
+  std::sort(found.begin(), found.end(), is_newer);
   return found;
 }
 
@@ -157,6 +159,34 @@ std::optional<fs::path> CheckpointFolder::newest_whole() {
   std::string list;
   for (size_t i = 0; i < all.size(); ++i) list += fmt::format("; {}: {}", all[i], faults[i]);
   fail("{}: no checkpoint is whole; begin a new run with another --out{}", folder_.string(), list);
+}
+
+std::optional<fs::path> CheckpointFolder::newest_whole_until(int64_t step) const {
+  for (const std::string& name : names())
+    if (!is_newer(name, name_of(step)) && fault_of(folder_ / name).empty()) return folder_ / name;
+  return std::nullopt;
+}
+
+void CheckpointFolder::go_back_to(int64_t step) {
+  const std::string name = name_of(step);
+  guarded([&] {
+    // The links first: they never name what is not there.
+    for (const char* link : {"last", "best"}) {
+      if (!is_newer(link_target(folder_ / link), name)) continue;
+      if (step > 0)
+        set_link(folder_ / link, name);
+      else
+        fs::remove(folder_ / link);
+    }
+    for (const std::string& newer : names()) {
+      if (!is_newer(newer, name)) continue;
+      const fs::path removed = folder_ / ("." + newer + ".removed");  // remove_surplus() finds it, too
+      fs::remove_all(removed);
+      fs::rename(folder_ / newer, removed);
+      fs::remove_all(removed);
+    }
+    if (fs::exists(folder_)) flush_to_disk(folder_);
+  });
 }
 
 bool CheckpointFolder::restore_best(int64_t step) {

@@ -33,6 +33,13 @@ class CheckpointFolder {
   /// when that checkpoint is missing or damaged, which is reported too.
   bool restore_best(int64_t step);
 
+  /// The newest whole checkpoint of at most `step` steps.
+  std::optional<std::filesystem::path> newest_whole_until(int64_t step) const;
+
+  /// Forgets all that came after `step`, of which there is a checkpoint, or, with 0, everything: a run goes
+  /// on from there. A process that is killed meanwhile leaves a run that continues from some checkpoint.
+  void go_back_to(int64_t step);
+
   bool holds(int64_t step) const;
 
   /// Whether a run has ever saved here.

@@ -135,6 +135,27 @@ struct RunConfig {
   }
 };
 
+/// What counts as a collapse (training/collapse_watch.h), and what is done about it. May change between a run
+/// and its continuation.
+struct WatchConfig {
+  bool enabled = true;
+  double loss_factor = 1.5;  // a loss above this times the usual one is raised
+  int64_t window = 25;       // steps whose median loss is looked at
+  int64_t patience = 4;      // raised windows in a row that are a collapse
+  double entropy = 0.1;      // kernels of a lower mean entropy, in nats, are one tap; 0: not watched
+  int64_t retries = 3;       // times that a run goes back to its best checkpoint
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("enabled", enabled);
+    v.field("loss_factor", loss_factor, Range{1.01, 1e6});
+    v.field("window", window, Range{1, 10000});
+    v.field("patience", patience, Range{1, 10000});
+    v.field("entropy", entropy, Range{0, 10});
+    v.field("retries", retries, Range{0, 1000});
+  }
+};
+
 struct TrainConfig {
   uint64_t seed = 1;
   std::string init;  // weights to begin with: a weight file, checkpoint or run; "": random ones
@@ -145,6 +166,7 @@ struct TrainConfig {
   DataConfig data;
   OptimizerConfig optimizer;
   RunConfig run;
+  WatchConfig watch;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -157,6 +179,7 @@ struct TrainConfig {
     v.section("data", data);
     v.section("optimizer", optimizer);
     v.section("run", run);
+    v.section("watch", watch);
   }
 };
 

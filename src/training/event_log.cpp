@@ -15,15 +15,34 @@
 
 namespace ld {
 
+namespace {
+
+/// metrics.csv becomes metrics.1.csv, or .2 where there is one.
+void set_aside(const std::filesystem::path& path) {
+  std::filesystem::path aside;
+  for (int number = 1; aside.empty() || std::filesystem::exists(aside); ++number)
+    aside =
+        path.parent_path() / fmt::format("{}.{}{}", path.stem().string(), number, path.extension().string());
+  std::filesystem::rename(path, aside);
+  spdlog::info("{} has other columns than this program writes: its rows are in {} from now on", path.string(),
+               aside.filename().string());
+}
+
+}  // namespace
+
 EventLog::EventLog(std::filesystem::path path, std::vector<std::string> columns, int64_t step)
     : path_(std::move(path)), columns_(std::move(columns)) {
-  std::string kept = fmt::format("step,{}\n", fmt::join(columns_, ","));
+  const std::string header = fmt::format("step,{}", fmt::join(columns_, ","));
+  std::string kept = header + "\n";
   if (std::filesystem::exists(path_)) {
     std::istringstream lines(read_file(path_));
     std::string line;
-    std::getline(lines, line);  // the header, written anew
-    while (std::getline(lines, line))
-      if (std::atoll(line.c_str()) <= step) kept += line + "\n";
+    std::getline(lines, line);
+    if (line != header)
+      set_aside(path_);
+    else
+      while (std::getline(lines, line))
+        if (std::atoll(line.c_str()) <= step) kept += line + "\n";
   }
   write_file_atomically(path_, kept);
 }

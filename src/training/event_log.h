@@ -11,7 +11,8 @@ namespace ld {
 
 class EventLog {
  public:
-  /// Continues an existing file, without the rows behind `step` (of steps that a resumed run does again).
+  /// Continues an existing file, without the rows behind `step` (of steps that a resumed run does again). One
+  /// that an earlier program wrote with other columns is renamed (metrics.1.csv), and a new one begun.
   EventLog(std::filesystem::path path, std::vector<std::string> columns, int64_t step);
 
   /// Columns without a value stay empty. The first column is the step. Rows that find no room on the disk are

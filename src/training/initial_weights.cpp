@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "frame/schema.h"
+#include "models/initialise.h"
 #include "weights/model_file.h"
 
 namespace ld {
@@ -87,6 +88,13 @@ void begin_with_weights(const std::filesystem::path& model, Network& network) {
   if (from != to)
     spdlog::info("features that it had and this run has not: {}; new features, which begin at 0: {}",
                  missing_from(to, from), missing_from(from, to));
+}
+
+std::shared_ptr<Network> make_initial_network(const TrainConfig& config, bool with_init) {
+  std::shared_ptr<Network> network = make_network(config.network);
+  initialise(*network, config.seed);
+  if (with_init && !config.init.empty()) begin_with_weights(config.init, *network);
+  return network;
 }
 
 }  // namespace ld

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <memory>
 
 #include "models/network.h"
+#include "training/config.h"
 
 namespace ld {
 
@@ -14,5 +15,9 @@ namespace ld {
 /// 0. So on features that the data does not hold, the result is that of `model` with those features 0. Throws
 /// Error naming the first parameter that does not fit.
 void begin_with_weights(const std::filesystem::path& model, Network& network);
+
+/// The network that a run begins with: random weights of its seed, or with `with_init` those that the
+/// configuration's `init` names, if any.
+std::shared_ptr<Network> make_initial_network(const TrainConfig& config, bool with_init);
 
 }  // namespace ld

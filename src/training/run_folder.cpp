@@ -21,6 +21,7 @@ std::string fixed_configuration(TrainConfig config) {
   RunConfig run;
   run.minutes = config.run.minutes;
   config.run = run;
+  config.watch = WatchConfig{};
   config.data.cache = DataConfig{}.cache;
   config.data.cache_megabytes = DataConfig{}.cache_megabytes;
   config.data.workers = DataConfig{}.workers;

@@ -8,8 +8,8 @@
 
 namespace ld {
 
-/// What may not change when a run continues, as YAML: everything but the `run:` section (of which `minutes`
-/// stays), what only costs time or memory, and how the crops of a step are divided (data.batch,
+/// What may not change when a run continues, as YAML: everything but the sections `run:` (of which `minutes`
+/// stays) and `watch:`, what only costs time or memory, and how the crops of a step are divided (data.batch,
 /// optimizer.accumulate), whose product is compared with the checkpoint.
 std::string fixed_configuration(TrainConfig config);
 

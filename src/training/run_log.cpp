@@ -7,23 +7,29 @@
 namespace ld {
 namespace {
 
-std::vector<std::string> metric_columns() {
+std::vector<std::string> metric_columns(int64_t layers) {
   std::vector<std::string> columns = {"epoch", "learning_rate", "train_loss", "skipped", "validation_loss"};
   for (const Metric& metric : metrics()) columns.push_back(metric.name);
+  columns.insert(columns.end(), {"rollbacks", "kernel_entropy", "kernel_centre_share"});
+  for (int64_t layer = 1; layer <= layers; ++layer)
+    columns.push_back(fmt::format("kernel_layer_share_{}", layer));
   return columns;
 }
 
 /// TensorBoard groups by what stands before the slash.
 std::string tag_of(const std::string& column) {
-  if (column == "epoch" || column == "learning_rate" || column == "skipped") return "training/" + column;
+  if (column == "epoch" || column == "learning_rate" || column == "skipped" || column == "rollbacks")
+    return "training/" + column;
+  const std::string kernels = "kernel_";
+  if (column.rfind(kernels, 0) == 0) return "kernels/" + column.substr(kernels.size());
   if (column == "train_loss") return "training/loss";
   return "validation/" + (column == "validation_loss" ? "loss" : column);
 }
 
 }  // namespace
 
-RunLog::RunLog(const std::filesystem::path& run, int64_t step)
-    : metrics_(run / "metrics.csv", metric_columns(), step),
+RunLog::RunLog(const std::filesystem::path& run, int64_t step, int64_t layers)
+    : metrics_(run / "metrics.csv", metric_columns(layers), step),
       timing_(run / "timing.csv", {"seconds_per_step"}, step),
       board_(run / "tensorboard", step) {}
 

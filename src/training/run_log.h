@@ -16,8 +16,8 @@ namespace ld {
 
 class RunLog {
  public:
-  /// Continues the files of a run after `step`.
-  RunLog(const std::filesystem::path& run, int64_t step);
+  /// Continues the files of a run after `step`; `layers`: those of its network.
+  RunLog(const std::filesystem::path& run, int64_t step, int64_t layers);
 
   /// metrics.csv gets the values, which depend on configuration, data and step alone (an interrupted run has
   /// the same bytes as one that was not); timing.csv the seconds.

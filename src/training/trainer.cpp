@@ -2,12 +2,13 @@
 
 #include <fmt/ranges.h>
 
+#include <cmath>
+
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "metrics/metric.h"
-#include "models/initialise.h"
 #include "training/initial_weights.h"
 #include "training/run_folder.h"
 #include "training/schedule.h"
@@ -41,14 +42,6 @@ TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, Proces
   return config;
 }
 
-/// Of a run that continues, checkpoint and rank 0 know better.
-std::shared_ptr<Network> make_initial_network(const TrainConfig& config, bool new_run) {
-  std::shared_ptr<Network> network = make_network(config.network);
-  initialise(*network, config.seed);
-  if (new_run && !config.init.empty()) begin_with_weights(config.init, *network);
-  return network;
-}
-
 }  // namespace
 
 Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOptions& options)
@@ -61,6 +54,8 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
       validation_(make_validation_stores(config_), config_.run.images, validation_samples(config_.data)),
       checkpoints_(run_, config_.run.keep),
       loss_(options.loss ? options.loss : make_loss(config_.loss)),
+      kernel_probe_(options.kernel_probe ? options.kernel_probe : kernel_statistics),
+      // Of a run that continues, checkpoint and rank 0 know better.
       network_(make_initial_network(config_, group_.is_root() && !checkpoints_.begun())),
       optimizer_(network_, config_.optimizer) {
   state_.dataset = manifests_checksum(config_.data);
@@ -71,7 +66,8 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
   if (group_.is_root()) open_run(options.command);
   if (group_.is_root() && pace) spdlog::info("{}", pace_text(*pace, config_.run.minutes, total_steps_));
   resume();
-  if (group_.is_root()) log_.emplace(run_, state_.validation_due ? state_.step - 1 : state_.step);
+  if (group_.is_root())
+    log_.emplace(run_, state_.validation_due ? state_.step - 1 : state_.step, config_.network.layers);
 }
 
 void Trainer::train() {
@@ -91,13 +87,19 @@ void Trainer::train() {
 }
 
 void Trainer::run_steps() {
-  Progress progress("training", last_step_, state_.step);
+  std::optional<Progress> progress(std::in_place, "training", last_step_, state_.step);
   timed_since_ = Clock::now();
   if (state_.validation_due) finish_step();
-  while (state_.step < last_step_ && !must_stop()) {
+  while (!collapse_.empty() || (state_.step < last_step_ && !must_stop())) {
+    if (!collapse_.empty()) {
+      go_back();
+      progress.emplace("training", last_step_, state_.step);
+      if (state_.validation_due) finish_step();
+      continue;
+    }
     const double loss = take_step();
-    finish_step();
-    if (group_.is_root()) progress.advance(1, fmt::format("loss {:.4f}", loss));
+    if (collapse_.empty()) finish_step();
+    if (group_.is_root()) progress->advance(1, fmt::format("loss {:.4f}", loss));
   }
 }
 
@@ -112,8 +114,12 @@ int64_t Trainer::epoch_of(int64_t step) const {
   return step * config_.optimizer.accumulate / training_set_.steps_per_epoch();
 }
 
+double Trainer::rate_factor() const {
+  return std::ldexp(1.0, -static_cast<int>(state_.rollbacks));
+}
+
 double Trainer::rate_of(int64_t step) const {
-  return learning_rate(config_.optimizer, step, epoch_of(step), total_steps_);
+  return rate_factor() * learning_rate(config_.optimizer, step, epoch_of(step), total_steps_);
 }
 
 double Trainer::take_step() {
@@ -134,6 +140,7 @@ double Trainer::take_step() {
   state_.skipped_in_a_row = 0;
   state_.loss_sum += outcome.loss;
   ++state_.loss_count;
+  watch_step(outcome.loss);
   return outcome.loss;
 }
 
@@ -172,6 +179,7 @@ void Trainer::finish_step() {
     state_.validation_due = true;
     if (!validate(row)) return;  // stopped; whoever continues validates first
     state_.validation_due = false;
+    if (!collapse_.empty()) return;  // neither logged nor saved: it will not have been
   }
   if (last || !row.empty() || state_.step % config_.run.log_every == 0) log_row(row);
   if (state_.step % config_.run.log_every == 0) {
@@ -193,6 +201,7 @@ bool Trainer::validate(std::map<std::string, double>& row) {
     state_.best_score = loss;
     state_.best_step = state_.step;
   }
+  look_at_kernels(row);
   if (!group_.is_root()) return true;
   std::string text;
   for (const Metric& metric : metrics())
@@ -209,6 +218,7 @@ void Trainer::log_row(std::map<std::string, double> row) {
   row["epoch"] = steps / static_cast<double>(training_set_.steps_per_epoch());
   row["learning_rate"] = rate_of(state_.step - 1);
   row["skipped"] = static_cast<double>(state_.skipped);
+  row["rollbacks"] = static_cast<double>(state_.rollbacks);
   if (state_.loss_count > 0) row["train_loss"] = state_.loss_sum / static_cast<double>(state_.loss_count);
   log_->row(state_.step, row,
             seconds_since(timed_since_) / static_cast<double>(std::max(timed_steps_, int64_t{1})));

@@ -14,6 +14,7 @@
 #include "training/checkpoint.h"
 #include "training/checkpoint_folder.h"
 #include "training/config.h"
+#include "training/kernel_statistics.h"
 #include "training/optimizer.h"
 #include "training/pace.h"
 #include "training/process_group.h"
@@ -28,6 +29,7 @@ struct TrainerOptions {
   ProcessGroup* group = nullptr;  // processes that train together; null: this one alone
   std::string command;            // line that started the program, for the run's notes
   Loss loss;                      // in place of the configuration's
+  KernelProbe kernel_probe;       // in place of kernel_statistics()
 };
 
 class Trainer {
@@ -39,8 +41,10 @@ class Trainer {
   Trainer(TrainConfig config, std::filesystem::path run, const TrainerOptions& options = {});
 
   /// Trains to the last step, until the time is up, or until SIGINT or SIGTERM; a checkpoint is written in
-  /// all cases, also when an error ends the run. Throws Error when losses or gradients are not finite for
-  /// run.max_skipped steps in a row, a peer is lost, data are bad, or the last checkpoint finds no room.
+  /// all cases, also when an error ends the run. A training that collapses (training/collapse_watch.h) goes
+  /// back to its best checkpoint at half the learning rate. Throws Error when it has done so watch.retries
+  /// times, losses or gradients are not finite for run.max_skipped steps in a row, a peer is lost, data are
+  /// bad, or the last checkpoint finds no room.
   void train();
 
   const TrainingState& state() const { return state_; }
@@ -61,6 +65,10 @@ class Trainer {
   void announce();
   void run_steps();
   double take_step();
+  void watch_step(double loss);
+  void look_at_kernels(std::map<std::string, double>& row);
+  void load_before_collapse();
+  void go_back();
   void skip_step(const Optimizer::Outcome& outcome);
   [[noreturn]] void end_diverged();
   void finish_step();
@@ -72,6 +80,7 @@ class Trainer {
   void rescue();
   bool must_stop();
   int64_t epoch_of(int64_t step) const;
+  double rate_factor() const;  // of the schedule's learning rate, after going back
   double rate_of(int64_t step) const;
 
   ProcessGroup alone_;
@@ -83,6 +92,7 @@ class Trainer {
   Validation validation_;
   CheckpointFolder checkpoints_;
   Loss loss_;
+  KernelProbe kernel_probe_;
   std::shared_ptr<Network> network_;
   Optimizer optimizer_;
   std::optional<RunLock> lock_;  // of rank 0
@@ -91,6 +101,7 @@ class Trainer {
   TrainingState before_skips_;  // where the steps that are being skipped in a row began
   TrainingState saved_;         // as the newest checkpoint holds it
   bool best_unsaved_ = false;   // the weights as they are have the best score, and no checkpoint holds them
+  std::string collapse_;        // what shows that the training has collapsed; "": it has not
   int64_t total_steps_ = 0, last_step_ = 0;
   int64_t timed_steps_ = 0;  // since timed_since_
   std::chrono::steady_clock::time_point timed_since_;

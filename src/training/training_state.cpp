@@ -25,6 +25,12 @@ std::string state_to_json(const TrainingState& state) {
   json["best_score"] = std::isfinite(state.best_score) ? nlohmann::ordered_json(state.best_score) : nullptr;
   json["best_step"] = state.best_step;
   json["crops_per_step"] = state.crops_per_step;
+  json["rollbacks"] = state.rollbacks;
+  json["watch"] = {{"losses", state.watch.losses},
+                   {"medians", state.watch.medians},
+                   {"raised", state.watch.raised},
+                   {"window_begin", state.watch.window_begin},
+                   {"calm_step", state.watch.calm_step}};
   json["dataset"] = state.dataset;
   return json.dump(2) + "\n";
 }
@@ -49,6 +55,14 @@ TrainingState state_from_json(const std::string& text, const std::string& name) 
     state.best_step = json.at("best_step");
     state.crops_per_step = json.at("crops_per_step");
     state.dataset = json.at("dataset");
+    if (!json.contains("watch")) return state;  // of an earlier program: the watch begins there
+    state.rollbacks = json.at("rollbacks");
+    const nlohmann::json& watch = json.at("watch");
+    state.watch.losses = watch.at("losses").get<std::vector<double>>();
+    state.watch.medians = watch.at("medians").get<std::vector<double>>();
+    state.watch.raised = watch.at("raised");
+    state.watch.window_begin = watch.at("window_begin");
+    state.watch.calm_step = watch.at("calm_step");
     return state;
   } catch (const nlohmann::json::exception& error) {
     fail("{}: not the state of a training run: {}", name, error.what());

@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "training/collapse_watch.h"
+
 namespace ld {
 
 /// Crops, flips and the order of the data follow from the step (dataset/training_set.h).
@@ -19,6 +21,8 @@ struct TrainingState {
   double best_score = std::numeric_limits<double>::infinity();  // lowest validation loss
   int64_t best_step = 0;
   int64_t crops_per_step = 0;
+  int64_t rollbacks = 0;  // times that the run went back; each halves the learning rate
+  WatchState watch;
   std::string dataset;  // checksum of the manifests that the run trains on
 };
 

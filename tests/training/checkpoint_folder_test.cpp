@@ -49,6 +49,25 @@ class Checkpoints : public ::testing::Test {
   CheckpointFolder folder_{run_.path(), 2};
 };
 
+TEST_F(Checkpoints, ARunGoesBackToOneOfThem) {
+  for (int64_t step = 10; step <= 40; step += 10) write(folder_, step, step == 20);
+  EXPECT_EQ(folder_.newest_whole_until(20), of(20));
+  EXPECT_EQ(folder_.newest_whole_until(35), of(30));
+  EXPECT_EQ(folder_.newest_whole_until(19), std::nullopt);
+  std::ofstream(of(30) / kCheckpointFiles[0], std::ios::app) << "x";
+  EXPECT_EQ(folder_.newest_whole_until(35), of(20));
+  folder_.go_back_to(20);
+  EXPECT_EQ(names(), (std::vector<std::string>{"best", "last", "step_00000020"}));
+  EXPECT_EQ(link("last"), "step_00000020");
+  EXPECT_EQ(folder_.newest_whole(), of(20));
+  write(folder_, 30, true);
+  folder_.go_back_to(20);
+  EXPECT_EQ(link("best"), "step_00000020") << "what it named is gone";
+  folder_.go_back_to(0);
+  EXPECT_TRUE(names().empty());
+  EXPECT_FALSE(folder_.begun());
+}
+
 TEST_F(Checkpoints, TheNewestTwoAndTheBestAreKept) {
   EXPECT_FALSE(folder_.begun());
   EXPECT_FALSE(folder_.newest_whole());

@@ -39,7 +39,7 @@ class Distributed : public ::testing::Test {
 
   void train(const std::string& run, const TrainConfig& config, int processes) {
     run_ranks(processes, [&](std::unique_ptr<ProcessGroup> group) {
-      Trainer trainer(config, folder_ / (group->is_root() ? run : "elsewhere"), {group.get(), "", {}});
+      Trainer trainer(config, folder_ / (group->is_root() ? run : "elsewhere"), {group.get(), "", {}, {}});
       trainer.train();
       EXPECT_EQ(trainer.state().step, std::min(config.run.max_steps, trainer.total_steps()));
     });
@@ -152,7 +152,8 @@ TEST_F(Distributed, RankZeroSaysHowManyStepsThereIsTimeFor) {
   for (int start = 0; start < 2; ++start) {  // the second one continues
     settings.run.max_steps += start;
     run_ranks(2, [&](std::unique_ptr<ProcessGroup> group) {
-      Trainer trainer(settings, folder_ / (group->is_root() ? "run" : "elsewhere"), {group.get(), "", {}});
+      Trainer trainer(settings, folder_ / (group->is_root() ? "run" : "elsewhere"),
+                      {group.get(), "", {}, {}});
       int64_t& own = steps[static_cast<size_t>(group->rank())];
       if (start == 1) EXPECT_EQ(trainer.total_steps(), own);
       own = trainer.total_steps();
@@ -167,11 +168,11 @@ TEST_F(Distributed, DifferentConfigurationsAreRefusedByAll) {
   run_ranks(2, [&](std::unique_ptr<ProcessGroup> group) {
     TrainConfig other = config(8);
     if (group->rank() == 1) other.optimizer.learning_rate = 0.25;
-    EXPECT_ERROR(Trainer(other, folder_ / "run", {group.get(), "", {}}), "rank 1: another configuration");
+    EXPECT_ERROR(Trainer(other, folder_ / "run", {group.get(), "", {}, {}}), "rank 1: another configuration");
     EXPECT_FALSE(fs::exists(folder_ / "run"));
     TrainConfig too_small = config(8);
     too_small.data.batch = 1;
-    EXPECT_ERROR(Trainer(too_small, folder_ / "run", {group.get(), "", {}}),
+    EXPECT_ERROR(Trainer(too_small, folder_ / "run", {group.get(), "", {}, {}}),
                  "cannot be split over 2 processes");
   });
 }

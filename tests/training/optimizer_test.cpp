@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/initialise.h"
 #include "tests/training/tiny_training.h"
 #include "training/training_data.h"
 
@@ -15,7 +16,7 @@ TEST(Optimizer, AdamwIsLibTorchsForWeightsAndAdamForBiases) {
   config.optimizer.name = "adamw";
   config.optimizer.weight_decay = 0.1;
   const std::shared_ptr<Network> network = make_network(config.network), other = make_network(config.network);
-  initialise_xavier(*network, 1);
+  initialise(*network, 1);
   copy_parameters(*network, *other);
   TrainingSet set = make_training_set(config);
   const Loss loss = make_loss("smape");

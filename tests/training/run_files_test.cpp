@@ -165,16 +165,48 @@ TEST(State, KeepsEveryBit) {
   state.best_score = 1.0 / 3;
   state.best_step = 100;
   state.crops_per_step = 8;
+  state.rollbacks = 2;
+  state.watch = {{0.1, 1e-300, 1.0 / 3}, {0.7, 5e-324}, 3, 100, 75};
   state.dataset = "0123456789abcdef";
   const std::string text = state_to_json(state);
   const TrainingState read = state_from_json(text, "state.json");
   EXPECT_EQ(state_to_json(read), text);
   EXPECT_EQ(read.loss_sum, state.loss_sum);
   EXPECT_EQ(read.best_score, state.best_score);
+  EXPECT_EQ(read.rollbacks, 2);
+  EXPECT_EQ(read.watch.losses, state.watch.losses);
+  EXPECT_EQ(read.watch.medians, state.watch.medians);
+  EXPECT_EQ(read.watch.raised, 3);
+  EXPECT_EQ(read.watch.window_begin, 100);
+  EXPECT_EQ(read.watch.calm_step, 75);
   EXPECT_TRUE(std::isinf(state_from_json(state_to_json({}), "state.json").best_score));
   EXPECT_ERROR(state_from_json("{\"step\": 5}", "state.json"), "begin a new run");
   EXPECT_ERROR(state_from_json("{\"version\": 2, \"step\": 5}", "state.json"), "optimizer_steps");
   EXPECT_ERROR(state_from_json("[]", "state.json"), "state.json");
+}
+
+TEST(State, OfAnEarlierProgramKnowsNoWatch) {
+  auto json = nlohmann::json::parse(state_to_json({}));
+  json.erase("watch");
+  json.erase("rollbacks");
+  json["step"] = 7;
+  const TrainingState read = state_from_json(json.dump(), "state.json");
+  EXPECT_EQ(read.step, 7);
+  EXPECT_EQ(read.rollbacks, 0);
+  EXPECT_TRUE(read.watch.medians.empty());
+}
+
+TEST(EventLog, OtherColumnsAreAnotherTable) {
+  const TemporaryFolder folder;
+  const std::string old = "step,loss\n5,0.5\n";
+  write_file_atomically(folder / "m.csv", old);
+  EventLog(folder / "m.csv", {"loss", "rate"}, 10).write(10, {{"loss", 0.25}, {"rate", 1}});
+  EXPECT_EQ(read_file(folder / "m.1.csv"), old);
+  EXPECT_EQ(read_file(folder / "m.csv"), "step,loss,rate\n10,0.25,1\n");
+  EventLog(folder / "m.csv", {"rate"}, 10).write(15, {{"rate", 1}});
+  EXPECT_EQ(read_file(folder / "m.1.csv"), old);
+  EXPECT_EQ(read_file(folder / "m.2.csv"), "step,loss,rate\n10,0.25,1\n");
+  EXPECT_EQ(read_file(folder / "m.csv"), "step,rate\n15,1\n");
 }
 
 TEST(EventLog, DropsTheRowsThatAResumedRunWritesAgain) {

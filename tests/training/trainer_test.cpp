@@ -65,7 +65,9 @@ TEST_F(TrainerTest, LearnsTheMeanThatTheTinyReferenceIs) {
   std::ifstream csv(folder_ / "run/metrics.csv");
   std::string line;
   std::getline(csv, line);
-  EXPECT_EQ(line, "step,epoch,learning_rate,train_loss,skipped,validation_loss,relmse,smape,ssim,psnr");
+  EXPECT_EQ(line,
+            "step,epoch,learning_rate,train_loss,skipped,validation_loss,relmse,smape,ssim,psnr,rollbacks,"
+            "kernel_entropy,kernel_centre_share,kernel_layer_share_1,kernel_layer_share_2");
   std::vector<double> losses;
   while (std::getline(csv, line)) {
     std::istringstream cells(line);

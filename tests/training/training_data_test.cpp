@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_dataset.h"
@@ -106,7 +107,7 @@ TEST(Samples, ValidationTakesTheFirstOnesOfEachFrame) {
   };
   TrainConfig config = config_of("data");
   const std::shared_ptr<Network> network = make_network(config.network);
-  initialise_xavier(*network, 1);
+  initialise(*network, 1);
   ProcessGroup alone{ProcessGroupOptions{}};
   const auto scores = [&](const TrainConfig& of) {
     const Validation validation(make_validation_stores(of), 1, validation_samples(of.data));

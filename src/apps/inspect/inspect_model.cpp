@@ -141,6 +141,7 @@ void inspect_checkpoint(Report& report) {
     const std::string text = read_file(path, 1 << 20);
     if (!parse_json(text, path.string()).is_object()) fail("{}: expected a JSON object", path.string());
     report.facts["state"] = nlohmann::ordered_json::parse(text);
+    report.facts["state"].erase("watch");  // losses that only the trainer has a use for
   });
   report.attempt([&] {
     const SafetensorsFile file(folder / "weights.safetensors");
