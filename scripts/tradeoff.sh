@@ -39,7 +39,7 @@ train() {
   # One learning rate for all, with a warm-up: L2 on tone-mapped values collapses without it for some seeds.
   # shellcheck disable=SC2046
   "$bin/ld_train" $(arguments "$1") --threads 1 --out "$run" "data.path=$data" "epochs=$(((steps * 4 + frames - 1) / frames))" \
-    optimizer.learning_rate=0.002 optimizer.warmup_steps=50 > "$run/output" 2>&1 ||
+    optimizer.schedule=cosine optimizer.learning_rate=0.002 optimizer.warmup_steps=50 > "$run/output" 2>&1 ||
     { echo "tradeoff.sh: training $1 failed; see $run/output" >&2; return 1; }
   touch "$run/done"
   echo "trained $1" >&2

@@ -39,6 +39,7 @@ TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, Proces
       fmt::format("features: [{}]\n", fmt::join(config.network.features, ", ")), "sharing the features");
   config.network.features =
       config_from_tree<NetworkConfig>(parse_config(list, "features of rank 0")).features;
+  fit_to_features(config.network);
   return config;
 }
 

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "dataset/varying_features.h"
+#include "frame/schema.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -64,6 +65,16 @@ SampleRange sample_range(const DataConfig& config) {
 int validation_samples(const DataConfig& config) {
   const auto asked = static_cast<int>(config.validation_samples);
   return asked > 0 ? asked : sample_range(config).most;
+}
+
+void fit_to_features(NetworkConfig& network) {
+  const auto held = [&](const std::string& name) { return first_channel(network.features, name) >= 0; };
+  network.optional.erase(std::remove_if(network.optional.begin(), network.optional.end(),
+                                        [&](const std::string& name) { return !held(name); }),
+                         network.optional.end());
+  if (network.demodulation == "none" || held("albedo")) return;
+  spdlog::info("network.demodulation=none: no albedo varies in the data");
+  network.demodulation = "none";
 }
 
 TrainConfig resolve_features(TrainConfig config, const fs::path& run) {

@@ -21,6 +21,10 @@ SampleRange sample_range(const DataConfig& config);
 /// How many samples of each frame validate, the first ones; 0: all.
 int validation_samples(const DataConfig& config);
 
+/// What the network keeps of settings that name features, when its features were found and not asked for
+/// (kAutoFeatures): demodulation by an albedo that does not vary would change nothing.
+void fit_to_features(NetworkConfig& network);
+
 /// Replaces `network.features: auto` by the list in the run's stored configuration, so that a run continues
 /// with the features it began with, or, for a new run, by what varying_features() finds; logs what it left
 /// out.
