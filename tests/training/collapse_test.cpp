@@ -216,9 +216,10 @@ TEST_F(Collapse, KernelsOfOneTapAreOneToo) {
   for (size_t i = 1; i < table.size(); ++i) {
     const bool validated = std::stoll(table[i][0]) % 10 == 0;
     EXPECT_EQ(table[i].size(), validated ? 15u : 14u) << i;  // getline() drops the last empty one
-    if (validated)
+    if (validated) {
       EXPECT_EQ((std::vector<std::string>(table[i].begin() + 11, table[i].end())),
                 (std::vector<std::string>{"2", "0.25", "0.75", "0.25"}));
+    }
   }
 }
 

@@ -19,7 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 int64_t found_at(const std::function<double(int64_t)>& loss, int64_t steps, WatchState state = {},
                  const WatchConfig& config = {}) {
   for (int64_t step = 1; step <= steps; ++step) {
-    RandomStream stream(1, RandomPurpose::test, static_cast<uint64_t>(step));
+    RandomStream stream(1, RandomPurpose::test, static_cast<uint32_t>(step));
     if (watch_loss(state, config, loss(step) * (0.7 + 0.6 * stream.uniform()), step)) return step;
   }
   return 0;
@@ -95,7 +95,7 @@ TEST(CollapseWatch, StepsWithoutALossCountForNothing) {
       EXPECT_FALSE(watch_loss(state, config, step % 3 == 2 ? kNaN : kInfinity, step));
       continue;
     }
-    RandomStream stream(1, RandomPurpose::test, static_cast<uint64_t>(++taken));
+    RandomStream stream(1, RandomPurpose::test, static_cast<uint32_t>(++taken));
     if (watch_loss(state, config, loss(taken) * (0.7 + 0.6 * stream.uniform()), step)) found = taken;
   }
   EXPECT_EQ(found, whole);

@@ -155,7 +155,9 @@ TEST_F(Distributed, RankZeroSaysHowManyStepsThereIsTimeFor) {
       Trainer trainer(settings, folder_ / (group->is_root() ? "run" : "elsewhere"),
                       {group.get(), "", {}, {}});
       int64_t& own = steps[static_cast<size_t>(group->rank())];
-      if (start == 1) EXPECT_EQ(trainer.total_steps(), own);
+      if (start == 1) {
+        EXPECT_EQ(trainer.total_steps(), own);
+      }
       own = trainer.total_steps();
       trainer.train();
     });
