@@ -2,8 +2,10 @@
 """Denoises a split of a data set with Open Image Denoise (PyPI's pyoidn), for comparison:
 
     out/peers/venv/bin/python scripts/peers/oidn_denoise.py --data DIR --out PICTURES [--split test] [--threads N]
+        [--samples N] [--quality fast|balanced|high] [--prefilter]
 
-Colour, albedo and normal are the means of each pixel's valid samples, as a renderer would hand them over. Writes one EXR a
+Colour, albedo and normal are the means of each pixel's valid samples, as a renderer would hand them over; of the first N samples alone with --samples, as ld_eval's. With --prefilter albedo and normal
+are denoised first, as its manual advises for final frames (their time counts). Writes one EXR a
 frame and cost.json (seconds a frame: the median of the repeats; peak_mb: by how much the resident memory rose while the
 filter was made and run), which `ld_eval --images NAME=PICTURES` and `ld_bench tradeoff --images NAME=PICTURES` read.
 """
@@ -33,13 +35,20 @@ def planes(part, names):
     return np.stack([channels[name].pixels.astype(np.float32) for name in names], axis=-1)
 
 
-def mean_features(path):
+# Values of OIDNQuality.
+QUALITIES = {"fast": 4, "balanced": 5, "high": 6}
+
+
+def mean_features(path, first):
     """Means over the samples; a sample that is not finite counts as not drawn. Radiance below 0 is 0."""
     with OpenEXR.File(str(path), separate_channels=True) as file:
         samples = [{feature: planes(part, names) for feature, names in FEATURES.items()}
                    for part in file.parts if re.fullmatch(r"s\d+", part.name())]
     if not samples:
         raise SystemExit(f"{path}: no sample parts s000, s001, ...")
+    if first > len(samples):
+        raise SystemExit(f"{path}: {len(samples)} samples, but --samples asks for {first}")
+    samples = samples[:first] if first else samples
     valid = [np.all([np.isfinite(sample[f]).all(axis=-1) for f in FEATURES], axis=0) for sample in samples]
     count = np.maximum(np.sum(valid, axis=0), 1)[..., None]
     means = {}
@@ -57,24 +66,41 @@ def status_mb(key):
     raise SystemExit(f"/proc/self/status has no {key}")
 
 
-def denoise(device, images, repeats):
-    """The picture, the median time of running the filter, and the memory it took."""
-    height, width, _ = images["color"].shape
-    output = np.zeros_like(images["color"])
+def make_filter(device, images, quality, **switches):
+    """A filter on these images, and the picture that it writes."""
+    height, width, _ = next(iter(images.values())).shape
+    output = np.zeros((height, width, 3), dtype=np.float32)
+    oidn = Filter(device, "RT")
+    for name, image in images.items():
+        oidn.set_image(name, image, OIDN_FORMAT_FLOAT3, width, height)
+    oidn.set_image("output", output, OIDN_FORMAT_FLOAT3, width, height)
+    for name, value in switches.items():
+        oidn.set_bool(name, value)
+    oidn.set_int("quality", QUALITIES[quality])
+    oidn.commit()
+    return oidn, output
+
+
+def denoise(device, images, repeats, quality="high", prefilter=False):
+    """The picture, the median time of running the filters, and the memory they took."""
     Path("/proc/self/clear_refs").write_text("5")
     before = status_mb("VmRSS")
-    with Filter(device, "RT") as oidn:
-        for name, image in images.items():
-            oidn.set_image(name, image, OIDN_FORMAT_FLOAT3, width, height)
-        oidn.set_image("output", output, OIDN_FORMAT_FLOAT3, width, height)
-        oidn.set_bool("hdr", True)
-        oidn.commit()
-        times = []
-        for _ in range(repeats + 1):  # the first warms up
-            start = time.perf_counter()
+    filters = []
+    if prefilter:
+        for name in ("albedo", "normal"):
+            oidn, images[name] = make_filter(device, {name: images[name]}, quality)
+            filters.append(oidn)
+    oidn, output = make_filter(device, images, quality, hdr=True, cleanAux=prefilter)
+    filters.append(oidn)
+    times = []
+    for _ in range(repeats + 1):  # the first warms up
+        start = time.perf_counter()
+        for oidn in filters:
             oidn.execute()
             device.wait()
-            times.append(time.perf_counter() - start)
+        times.append(time.perf_counter() - start)
+    for oidn in filters:
+        oidn.release()
     message = device.get_error()
     if message:
         raise SystemExit(f"Open Image Denoise: {message}")
@@ -96,6 +122,9 @@ def main():
     parser.add_argument("--split", default="test")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--samples", type=int, default=0, help="the first so many of each frame (default: all)")
+    parser.add_argument("--quality", choices=QUALITIES, default="high")
+    parser.add_argument("--prefilter", action="store_true", help="denoise albedo and normal first")
     options = parser.parse_args()
 
     manifest = json.loads((options.data / "manifest.json").read_text())
@@ -111,7 +140,8 @@ def main():
     cost = {"program": f"Open Image Denoise {version // 10000}.{version // 100 % 100}.{version % 100}",
             "threads": options.threads, "peak_mb": 0.0, "seconds": {}}
     for name in frames:
-        picture, seconds, memory = denoise(device, mean_features(options.data / f"{name}.exr"), options.repeats)
+        picture, seconds, memory = denoise(device, mean_features(options.data / f"{name}.exr", options.samples), options.repeats,
+                                           options.quality, options.prefilter)
         write_picture(options.out / f"{name}.exr", picture)
         cost["seconds"][name] = seconds
         cost["peak_mb"] = max(cost["peak_mb"], memory)

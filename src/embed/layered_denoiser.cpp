@@ -10,6 +10,7 @@
 #include "core/threads.h"
 #include "embed/frame_buffers.h"
 #include "inference/denoiser.h"
+#include "models/network_config.h"
 #include "ops/blas_kernels.h"
 #include "ops/runtime.h"
 
