@@ -206,6 +206,7 @@ TEST_F(Collapse, KernelsOfOneTapAreOneToo) {
   };
   TrainConfig kernels = config(60);
   kernels.watch.loss_factor = 100;
+  kernels.watch.entropy = 0.1;
   collapsing.train(kernels, folder_ / "run");
   EXPECT_EQ(collapsing.state.rollbacks, 1);
   EXPECT_NE(log("run").find("collapsed by step 40: the kernels' mean entropy is 0.01 nats"),
