@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 constexpr int64_t kCollapse = 33;  // steps done before the loss jumps
 constexpr int64_t kFound = 45;     // windows of 5 steps, of which two in a row are raised
 
-/// Threefold losses from kCollapse on while the run went back fewer than `cured_after` times: a function of
-/// the run's state alone, so that a run that continues meets what it met before.
+/// Losses that jump from 1 to 3 at kCollapse while the run went back fewer than `cured_after` times: a
+/// function of the run's state alone, so that a run that continues meets what it met before.
 struct Collapsing {
   explicit Collapsing(int64_t cured_after = 1) {
     options.loss = [this, cured_after, smape = make_loss("smape")](const torch::Tensor& denoised,
@@ -28,7 +28,7 @@ struct Collapsing {
       if (trainer == nullptr) return loss;
       if (each_pass) each_pass(trainer->state());
       const bool bad = trainer->state().step >= kCollapse && trainer->state().rollbacks < cured_after;
-      return bad ? 3 * loss : loss;
+      return loss + (bad ? 3 : 1);  // the loss itself falls to nothing in these few steps
     };
   }
   Collapsing(const Collapsing&) = delete;
