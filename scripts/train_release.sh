@@ -56,7 +56,7 @@ train_cycle() {
   if [ -e "$released" ]; then old=$(score "$released"); fi
   echo "== $name, cycle $n: validation SMAPE $new, released $old"
   if python3 -c "import sys; sys.exit(not float('$new') < float('$old'))"; then
-    "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 0.05 --card --out "$released"
+    "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 0.05 --card "${released%.safetensors}.md" --out "$released"
   fi
 }
 

@@ -28,6 +28,11 @@ KernelStatistics kernel_statistics(Network& network, const NetworkInput& input) 
   // Of a tap when the layer is known: H(tap, layer) - H(layer).
   statistics.entropy = (x_log_x(of_layers).sum() - x_log_x(share).sum()).item<double>() / pixels;
   statistics.centre_share = share.select(2, centre).sum().item<double>() / pixels;
+  // Of every tap of every layer, over the pixels; pixels without samples would count as taps of 0.
+  const Tensor taps = share.permute({1, 2, 0, 3, 4}).flatten(2).flatten(0, 1);  // [N * K*K, pixels]
+  const Tensor senders = taps.sum(0).gt(0);
+  const Tensor sent = taps.index({torch::indexing::Slice(), senders});
+  statistics.deviation = (sent.std(1, /*unbiased=*/false).sum() / sent.mean(1).sum()).item<double>();
   for (int64_t l = 0; kernels.of_layers && l < share.size(1); ++l)
     statistics.layer_share.push_back(of_layers.select(1, l).sum().item<double>() / pixels);
   return statistics;

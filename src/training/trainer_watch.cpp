@@ -8,6 +8,13 @@
 
 namespace ld {
 
+namespace {
+
+/// Kernels of random weights deviate by 0.005 (Xavier) to 0.1 (He), those of saturated logits by 1e-7.
+constexpr double kLeastDeviation = 1e-4;
+
+}  // namespace
+
 void Trainer::watch_step(double loss) {
   if (!config_.watch.enabled || !watch_loss(state_.watch, config_.watch, loss, state_.step)) return;
   collapse_ = fmt::format(
@@ -20,18 +27,22 @@ void Trainer::watch_step(double loss) {
 void Trainer::look_at_kernels(std::map<std::string, double>& row) {
   const torch::NoGradGuard no_graph;
   const KernelStatistics own = kernel_probe_(optimizer_.average().network(), training_set_.batch(0).input);
-  std::vector<double> values = {own.entropy, own.centre_share};
+  std::vector<double> values = {own.entropy, own.centre_share, own.deviation};
   values.insert(values.end(), own.layer_share.begin(), own.layer_share.end());
   const torch::Tensor sums = torch::tensor(values, torch::kFloat64) * training_set_.batch_share();
   group_.sum({sums}, "looking at the kernels");
   const double* mean = sums.data_ptr<double>();
   row["kernel_entropy"] = *mean++;
   row["kernel_centre_share"] = *mean++;
+  const double deviation = *mean++;
   for (size_t i = 1; i <= own.layer_share.size(); ++i) row[fmt::format("kernel_layer_share_{}", i)] = *mean++;
   // Where the best so far has such kernels, they are what the data ask for.
   if (config_.watch.enabled && row["kernel_entropy"] < config_.watch.entropy && !best_unsaved_)
     collapse_ = fmt::format("the kernels' mean entropy is {:.3g} nats, below {:g}: they have become one tap",
                             row["kernel_entropy"], config_.watch.entropy);
+  if (config_.watch.enabled && deviation < kLeastDeviation && !best_unsaved_)
+    collapse_ = fmt::format(
+        "all pixels have the same kernel (relative deviation {:.2g}): nothing is learnt any more", deviation);
 }
 
 /// Collective. The state becomes that of the best checkpoint; without one, of the newest from before the
