@@ -31,8 +31,8 @@ arguments() {
     without_clipping) echo optimizer.clip_norm=0 ;;
     without_all) echo network.initialisation=xavier network.initial_kernel=0 network.demodulation=none network.logit_bound=0 optimizer.ema=0 optimizer.clip_norm=0 optimizer.schedule=cosine optimizer.learning_rate=0.003 ;;
     cosine) echo optimizer.schedule=cosine ;;
-    rate_half) echo optimizer.learning_rate=0.004 ;;
-    rate_double) echo optimizer.learning_rate=0.016 ;;
+    rate_half) echo optimizer.learning_rate=0.002 ;;
+    rate_double) echo optimizer.learning_rate=0.008 ;;
     adamw) echo optimizer.name=adamw optimizer.weight_decay=0.01 ;;
     kernel_5) echo network.kernel_size=5 ;;
     kernel_13) echo network.kernel_size=13 ;;
