@@ -1,21 +1,12 @@
 #include "models/demodulation.h"
 
 #include "frame/schema.h"
+#include "models/demodulation_range.h"
 #include "models/sample_statistics.h"
 
 namespace ld {
 
 using torch::Tensor;
-
-namespace {
-
-constexpr double kBlack = 1e-4;  // a reflectance below it in all channels counts as none
-constexpr double kLeast = 0.02, kMost = 64;
-constexpr double kLargestRadiance = 1e35;  // 50 times that is finite
-constexpr double kLargestPicture = 1e34;
-constexpr double kFalloff = 12;  // of beta's input with the variance
-
-}  // namespace
 
 Tensor demodulator(const Tensor& features, const NetworkConfig& config) {
   Tensor sum;
@@ -25,12 +16,12 @@ Tensor demodulator(const Tensor& features, const NetworkConfig& config) {
     const Tensor reflectance = features.narrow(2, first, 3);
     sum = sum.defined() ? sum + reflectance : reflectance;
   }
-  const Tensor none = sum.detach().le(kBlack).all(2, /*keepdim=*/true);
-  return sum.clamp(kLeast, kMost).masked_fill(none, 1);
+  const Tensor none = sum.detach().le(kNoReflectance).all(2, /*keepdim=*/true);
+  return sum.clamp(kLeastReflectance, kMostReflectance).masked_fill(none, 1);
 }
 
 Tensor demodulated(const Tensor& radiance, const Tensor& demodulator) {
-  return at::cat({radiance.clamp_max(kLargestRadiance) / demodulator, radiance}, 2);
+  return at::cat({radiance.clamp_max(kLargestDemodulated) / demodulator, radiance}, 2);
 }
 
 Tensor modulators(const Tensor& demodulator, const Tensor& valid) {
@@ -49,14 +40,14 @@ Tensor Modulation::factors(const Tensor& modulators, const Tensor& context) cons
   const Tensor mean = modulators.narrow(1, 0, 3);
   const Tensor variance = at::avg_pool2d(modulators.narrow(1, 3, 1), 3, 1, 1, /*ceil_mode=*/false,
                                          /*count_include_pad=*/false);
-  const Tensor steady = at::exp(-kFalloff * variance);
+  const Tensor steady = at::exp(-kSteadyFalloff * variance);
   const Tensor beta = at::sigmoid(weight_->forward(steady.unsqueeze(1), context).squeeze(1));
   return at::cat({mean, beta.masked_fill(mean.detach().amax(1, true).eq(0), 0)}, 1);
 }
 
 Tensor Modulation::apply(const Tensor& filtered, const Tensor& factors) {
   const Tensor plain = filtered.narrow(1, 3, 3);
-  const Tensor beyond = plain.detach().amax(1, true).gt(kLargestPicture);
+  const Tensor beyond = plain.detach().amax(1, true).gt(kLargestModulated);
   const Tensor beta = factors.narrow(1, 3, 1).masked_fill(beyond, 0);
   return plain + beta * (factors.narrow(1, 0, 3) * filtered.narrow(1, 0, 3) - plain);
 }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "frame/schema.h"
+#include "models/demodulation_range.h"
 
 namespace ld {
 namespace {
@@ -132,13 +133,14 @@ Value onnx_demodulator(OnnxGraph& g, const NetworkConfig& config, const Value& f
     const Value reflectance = g.slice(features, 2, first, first + 3);
     sum = sum.name.empty() ? reflectance : g.add(sum, reflectance);
   }
-  const Value none = g.op("LessOrEqual", {g.reduce_max(sum, {2}), g.number(1e-4F)});
-  return g.where(none, g.number(1), g.op("Clip", {sum, g.number(0.02F), g.number(64)}));
+  const Value none = g.op("LessOrEqual", {g.reduce_max(sum, {2}), g.number(float(kNoReflectance))});
+  return g.where(none, g.number(1),
+                 g.op("Clip", {sum, g.number(float(kLeastReflectance)), g.number(float(kMostReflectance))}));
 }
 
 OnnxSamples onnx_demodulated(OnnxGraph& g, const OnnxSamples& samples, const Value& demodulator) {
   OnnxSamples both = samples;
-  const Value bounded_radiance = g.op("Min", {samples.radiance, g.number(1e35F)});
+  const Value bounded_radiance = g.op("Min", {samples.radiance, g.number(float(kLargestDemodulated))});
   both.radiance = g.concat({g.div(bounded_radiance, demodulator), samples.radiance}, 2);
   both.radiance_channels = 6;
   return both;
@@ -157,12 +159,13 @@ Value onnx_modulated(OnnxGraph& g, const OnnxSamples& samples, const Value& demo
                              {{"kernel_shape", std::vector<int64_t>{3, 3}},
                               {"pads", std::vector<int64_t>{1, 1, 1, 1}},
                               {"count_include_pad", int64_t{0}}});
-  const Value steady = g.exp(g.mul(average, g.number(-12)));
+  const Value steady = g.exp(g.mul(average, g.number(float(-kSteadyFalloff))));
   const Value logit = g.squeeze(
       onnx_fully_connected(g, {"modulation.weight", 1, false, 1}, g.unsqueeze(steady, 1), context), 1);
   const Value plain = g.slice(filtered, 1, 3, 6);
-  const Value known = g.mul(g.to_float(g.op("Greater", {g.reduce_max(mean, {1}), g.number(0)})),
-                            g.to_float(g.op("LessOrEqual", {g.reduce_max(plain, {1}), g.number(1e34F)})));
+  const Value known =
+      g.mul(g.to_float(g.op("Greater", {g.reduce_max(mean, {1}), g.number(0)})),
+            g.to_float(g.op("LessOrEqual", {g.reduce_max(plain, {1}), g.number(float(kLargestModulated))})));
   const Value beta = g.mul(g.op("Sigmoid", {logit}), known);
   return g.add(plain, g.mul(beta, g.sub(g.mul(mean, g.slice(filtered, 1, 0, 3)), plain)));
 }

@@ -5,6 +5,7 @@
 #include "core/log.h"
 #include "training/initial_weights.h"
 #include "training/trainer.h"
+#include "training/training_data.h"
 
 namespace ld {
 
@@ -23,10 +24,12 @@ void Trainer::watch_step(double loss) {
 }
 
 /// Collective. Adds what the kernels look like to the row of a validation: those of the network that was
-/// validated, for the first batch of the run each time.
+/// validated, for the first batch of the run each time, made beside the batches that are prepared for
+/// training.
 void Trainer::look_at_kernels(std::map<std::string, double>& row) {
   const torch::NoGradGuard no_graph;
-  const KernelStatistics own = kernel_probe_(optimizer_.average().network(), training_set_.batch(0).input);
+  const KernelStatistics own = kernel_probe_(
+      optimizer_.average().network(), training_set_.batch_with(0, validation_samples(config_.data)).input);
   std::vector<double> values = {own.entropy, own.centre_share, own.deviation};
   values.insert(values.end(), own.layer_share.begin(), own.layer_share.end());
   const torch::Tensor sums = torch::tensor(values, torch::kFloat64) * training_set_.batch_share();

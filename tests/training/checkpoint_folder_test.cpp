@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include "core/file_io.h"
@@ -169,7 +171,7 @@ TEST_F(Checkpoints, AFullDiskCostsNoOlderCheckpoint) {
 
 TEST_F(Checkpoints, ADiskThatFillsUpKeepsWhatItHas) {
   SmallDisk disk(run_ / "disk");
-  if (!disk.mount_with("64k")) GTEST_SKIP() << "cannot mount a small disk";
+  if (!disk.mount_with("64k")) GTEST_SKIP() << "cannot mount a small disk: " << std::strerror(errno);
   CheckpointFolder small(run_ / "disk", 1000);
   int64_t step = 0;
   std::string text;

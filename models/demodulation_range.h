@@ -1,0 +1,13 @@
+// The numbers of demodulation (models/demodulation.h), for the network and for its ONNX form. Free of
+// LibTorch.
+#pragma once
+
+namespace ld {
+
+constexpr double kNoReflectance = 1e-4;  // a reflectance of at most so much in all channels counts as none
+constexpr double kLeastReflectance = 0.02, kMostReflectance = 64;
+constexpr double kLargestDemodulated = 1e35;  // of a radiance that is divided: 50 times it is finite
+constexpr double kLargestModulated = 1e34;    // of a picture that is mixed; beyond, the plain one is taken
+constexpr double kSteadyFalloff = 12;         // of beta's input with the variance
+
+}  // namespace ld
