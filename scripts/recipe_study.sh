@@ -36,28 +36,33 @@ arguments() {
     adamw) echo optimizer.name=adamw optimizer.weight_decay=0.01 ;;
     kernel_5) echo network.kernel_size=5 ;;
     kernel_13) echo network.kernel_size=13 ;;
+    levels_3) echo network.name=optimized network.kernel_size=5 network.levels=3 ;;
+    levels_4) echo network.name=optimized network.kernel_size=5 network.levels=4 ;;
     bound_4) echo network.logit_bound=4 ;;
     layers_1) echo network.layers=1 ;;
     layers_3) echo network.layers=3 ;;
-    all_samples) echo "data.samples=[]" ;;
-    samples_1_8) echo "data.samples=[1, 8]" ;;
+    first_samples) echo "data.samples=[]" ;;
+    samples_1_16) echo "data.samples=[1, 16]" ;;
     batch_8) echo data.batch=8 ;;
     batch_2) echo data.batch=2 ;;
     crop_96) echo data.crop=96 data.batch=2 ;;
     difficulty_4) echo data.difficulty=4 ;;
     exposure_2) echo data.exposure=2 ;;
+    multiscale) echo loss=smape_multiscale ;;
     l2) echo loss=l2_tonemapped ;;
     relative_l2) echo loss=relative_l2 ;;
     half_width) echo "network.unet.encoder=[[8, 8], [16], [24]]" "network.unet.bottleneck=[32]" "network.unet.decoder=[[24, 24], [16, 16], [16, 16]]" ;;
     double_width) echo "network.unet.encoder=[[32, 32], [64], [96]]" "network.unet.bottleneck=[128]" "network.unet.decoder=[[96, 96], [64, 64], [64, 64]]" ;;
     pixel_gather) echo network.name=pixel_gather network.layers=2 ;;
     pixel_splat) echo network.name=pixel_splat network.layers=2 ;;
+    pixel_splat_multiscale) echo network.name=pixel_splat network.layers=2 loss=smape_multiscale ;;
     *) echo "recipe_study.sh: unknown change '$1'" >&2; return 2 ;;
   esac
 }
 all="base without_he without_gaussian without_demodulation without_bound without_average without_clipping without_all cosine rate_half
-rate_double adamw kernel_5 kernel_13 bound_4 layers_1 layers_3 all_samples samples_1_8 batch_8 batch_2 crop_96 difficulty_4 exposure_2 l2
-relative_l2 half_width double_width pixel_gather pixel_splat"
+rate_double adamw kernel_5 kernel_13 levels_3 levels_4 bound_4 layers_1 layers_3 first_samples samples_1_16 batch_8 batch_2 crop_96 difficulty_4 exposure_2 multiscale l2
+relative_l2 half_width double_width pixel_gather pixel_splat
+pixel_splat_multiscale"
 changes=${CHANGES:-$all}
 
 # `arguments` prints words that may hold blanks, in brackets: one per "key=".
@@ -70,7 +75,7 @@ train() {
   local text
   text=$(arguments "$1")
   if [ -n "$text" ]; then mapfile -t words < <(split "$text"); fi
-  "$bin/ld_train" --config configs/quick.yaml --threads 1 --seed "$2" "data.path=$data" "run.minutes=$minutes" epochs=1000 "${words[@]}" \
+  "$bin/ld_train" --config configs/quick.yaml --threads 1 --seed "$2" "data.path=$data" data.validation_samples=8 "data.samples=[8, 8]" "run.minutes=$minutes" epochs=1000 "${words[@]}" \
     --out "$run" > "$run/output" 2>&1 || { echo "recipe_study.sh: training $1 with seed $2 failed; see $run/output" >&2; return 1; }
   touch "$run/done"
   echo "trained $1, seed $2" >&2

@@ -46,8 +46,8 @@ train_cycle() {
   elif [ -e "$released" ]; then
     begin=("init=$released")
   fi
-  # Later cycles begin near where they will end: half the rate, a short rise.
-  if [ ${#begin[@]} -gt 0 ]; then rate=(optimizer.learning_rate=0.002 optimizer.one_cycle.rise=0.05); fi
+  # Later cycles need no long rise.
+  if [ ${#begin[@]} -gt 0 ]; then rate=(optimizer.one_cycle.rise=0.1); fi
   echo "== $name, cycle $n: ${begin[*]:-random weights}, $minutes minutes"
   "$bin/ld_train" --config "configs/$name.yaml" "data.path=$data" "run.minutes=$minutes" "${begin[@]}" "${rate[@]}" --threads 1 --out "$run"
   touch "$run/done"

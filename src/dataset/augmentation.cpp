@@ -60,6 +60,9 @@ Augmentation random_augmentation(RandomStream& stream, const PackedFrame& frame,
   }
   if (options.rotations) a.quarter_turns = static_cast<int>(stream.below(4));
   if (options.exposure > 0) a.exposure = std::exp2(stream.uniform(-options.exposure, options.exposure));
+  if (options.colours)
+    for (uint32_t order = stream.below(6); order > 0; --order)
+      std::next_permutation(a.colours.begin(), a.colours.end());
   return a;
 }
 

@@ -1,6 +1,7 @@
 // Which crop of a frame a training step sees, and how it is flipped, turned and exposed ([MH20] section 4).
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/random.h"
@@ -14,8 +15,9 @@ namespace ld {
 struct Augmentation {
   int x = 0, y = 0, width = 0, height = 0;  // the crop, pixels; must lie inside the frame
   bool flip_x = false, flip_y = false;
-  int quarter_turns = 0;  // 0 to 3
-  float exposure = 1;     // factor on the radiance of samples and reference
+  int quarter_turns = 0;                   // 0 to 3
+  float exposure = 1;                      // factor on the radiance of samples and reference
+  std::array<int, 3> colours = {0, 1, 2};  // channel c of every colour is the frame's channel colours[c]
 
   int result_width() const { return quarter_turns % 2 == 0 ? width : height; }
   int result_height() const { return quarter_turns % 2 == 0 ? height : width; }
@@ -25,8 +27,9 @@ struct Augmentation {
 struct AugmentationOptions {
   int crop = 128;  // side of the square crops, pixels; less where the frame is smaller
   bool flips = true, rotations = true;
-  int candidates = 1;  // positions drawn; one is taken with a probability in proportion to its difficulty
-  float exposure = 0;  // stops: radiance is multiplied by 2^u, u uniform in [-exposure, exposure]
+  int candidates = 1;    // positions drawn; one is taken with a probability in proportion to its difficulty
+  float exposure = 0;    // stops: radiance is multiplied by 2^u, u uniform in [-exposure, exposure]
+  bool colours = false;  // the three channels of all colours alike in any of their six orders
 };
 
 /// Uniform in flips and turns, and in position where there is one candidate. Candidates that are all of

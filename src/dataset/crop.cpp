@@ -119,6 +119,11 @@ std::vector<Source> sources_of(const PackedFrame& frame, const std::vector<std::
   return sources;
 }
 
+/// Of light or of a surface: a path tracer treats its three channels alike.
+bool is_colour(const Feature& feature) {
+  return feature.channels == 3 && feature.vector == Vector::none;
+}
+
 /// Reads one crop; holds what is the same for all tiles.
 class CropReader {
  public:
@@ -153,7 +158,7 @@ class CropReader {
       put(encoded_.data(), planes_.valid + i * plane_);
     }
     for (int c = 0; c < 3; ++c)
-      put_exposed(frame_.reference + tile * PackedFrame::kTileReference + c * kTilePixels,
+      put_exposed(frame_.reference + tile * PackedFrame::kTileReference + colour(c) * kTilePixels,
                   planes_.reference + static_cast<size_t>(c) * plane_);
   }
 
@@ -161,20 +166,24 @@ class CropReader {
   void read_sample(const uint16_t* half_bits) {
     half_to_float(half_bits, values_.data(), values_.size());
     for (int c = 0; c < 3; ++c, radiance_out_ += plane_)
-      put_exposed(values_.data() + c * kTilePixels, radiance_out_);
+      put_exposed(values_.data() + colour(c) * kTilePixels, radiance_out_);
     for (const Source& source : sources_) {
       float* values = values_.data() + source.channel * kTilePixels;
       if (source.feature->vector != Vector::none)
         turn_vectors(source.feature->vector, a_, values, values + kTilePixels, kTilePixels);
       for (int c = 0; c < source.feature->channels; ++c, features_out_ += plane_) {
+        const int from = is_colour(*source.feature) ? colour(c) : c;
         if (source.feature->encoding == Encoding::tone_map)
-          table_.look_up(half_bits + (source.channel + c) * kTilePixels, encoded_.data(), kTilePixels);
+          table_.look_up(half_bits + (source.channel + from) * kTilePixels, encoded_.data(), kTilePixels);
         else
-          encode(*source.feature, frame_.depth_scale, values + c * kTilePixels, encoded_.data(), kTilePixels);
+          encode(*source.feature, frame_.depth_scale, values + from * kTilePixels, encoded_.data(),
+                 kTilePixels);
         put(encoded_.data(), features_out_);
       }
     }
   }
+
+  int colour(int channel) const { return a_.colours[static_cast<size_t>(channel)]; }
 
   void put(const float* tile, float* plane) const {
     map_.put(tile + first_, x1_ - x0_, y1_ - y0_, x0_, y0_, plane);

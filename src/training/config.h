@@ -36,6 +36,7 @@ struct DataConfig {
   int64_t validation_samples = 0;  // the first so many of each frame validate; 0: MOST, or all of them
   double drop = 0;                 // share of crops that lack a feature of network.optional, for each of them
   double exposure = 0;             // stops: radiance times 2^u, u uniform in [-exposure, exposure]
+  bool colours = false;            // the channels of all colours in any of their six orders
   std::string cache;               // folder of cache files; "": .cache in each data set; none: no files
   int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
   int64_t workers = 2;             // threads that prepare batches; 0: each when it is needed
@@ -53,6 +54,7 @@ struct DataConfig {
     v.field("validation_samples", validation_samples, Range{0, 4096});
     v.field("drop", drop, Range{0, 1});
     v.field("exposure", exposure, Range{0, 10});
+    v.field("colours", colours);
     v.field("cache", cache);
     v.field("cache_megabytes", cache_megabytes, at_least(0));
     v.field("workers", workers, Range{0, 64});

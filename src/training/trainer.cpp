@@ -123,12 +123,16 @@ double Trainer::rate_of(int64_t step) const {
   return rate_factor() * learning_rate(config_.optimizer, step, epoch_of(step), total_steps_);
 }
 
+/// No checkpoint will ever hold it: another one may be the best.
+void Trainer::forget_unsaved_best() {
+  if (!best_unsaved_) return;
+  state_.best_score = saved_.best_score;
+  state_.best_step = saved_.best_step;
+  best_unsaved_ = false;
+}
+
 double Trainer::take_step() {
-  if (best_unsaved_) {  // no checkpoint will ever hold it: another one may be the best
-    state_.best_score = saved_.best_score;
-    state_.best_step = saved_.best_step;
-    best_unsaved_ = false;
-  }
+  forget_unsaved_best();
   const Optimizer::Outcome outcome = optimizer_.step(training_set_, state_.step, loss_, rate_of(state_.step),
                                                      state_.optimizer_steps + 1, group_);
   ++timed_steps_;

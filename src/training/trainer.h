@@ -66,6 +66,7 @@ class Trainer {
   void run_steps();
   double take_step();
   void watch_step(double loss);
+  void forget_unsaved_best();
   void look_at_kernels(std::map<std::string, double>& row);
   void load_before_collapse();
   void go_back();

@@ -24,18 +24,18 @@ double seconds_since(Clock::time_point start) {
 }  // namespace
 
 /// Collective. True steps on a copy of the network, at a rate of 0; so neither weights nor moments know of
-/// them. Done twice: the frames are new the first time only.
+/// them. Done twice, the second time with the same steps again and again: those of a later step would be new.
 Pace Trainer::measure_pace() {
   const double limit = kShare * 60 * config_.run.minutes;
   const std::shared_ptr<Network> copy = make_network(config_.network);
   copy_parameters(*network_, *copy);
   Optimizer trial(copy, config_.optimizer);
-  const auto time_steps = [&] {
+  const auto time_steps = [&](int64_t known) {
     std::vector<double> seconds;
     const auto start = Clock::now();
     for (int64_t step = 0, enough = 0; enough == 0; ++step) {
       const auto step_start = Clock::now();
-      trial.step(training_set_, step, loss_, 0, step + 1, group_);
+      trial.step(training_set_, step % known, loss_, 0, step + 1, group_);
       if (step >= kWarmUp) seconds.push_back(seconds_since(step_start));
       const bool time_is_up = step + 1 >= kLeastSteps && seconds_since(start) > limit;
       enough = group_.any(stop_requested() || step + 1 >= kMostSteps || (group_.is_root() && time_is_up),
@@ -45,12 +45,12 @@ Pace Trainer::measure_pace() {
   };
 
   Pace pace;
-  const std::vector<double> first = time_steps();
+  const std::vector<double> first = time_steps(kMostSteps);
   pace.first_step = typical(first);
-  pace.first_steps = std::max<int64_t>(training_set_.steps_per_epoch() / config_.optimizer.accumulate -
-                                           static_cast<int64_t>(first.size()) - kWarmUp,
-                                       0);
-  pace.step = typical(time_steps());
+  const int64_t known = static_cast<int64_t>(first.size()) + kWarmUp;
+  pace.first_steps =
+      std::max<int64_t>(training_set_.steps_per_epoch() / config_.optimizer.accumulate - known, 0);
+  pace.step = typical(time_steps(known));
   pace.validate_every = config_.run.validate_every;
   pace.checkpoint_every = config_.run.checkpoint_every;
   if (!validation_.empty()) pace.validation = time_validation(trial.average().network(), limit);

@@ -43,9 +43,12 @@ void Trainer::look_at_kernels(std::map<std::string, double>& row) {
   if (config_.watch.enabled && row["kernel_entropy"] < config_.watch.entropy && !best_unsaved_)
     collapse_ = fmt::format("the kernels' mean entropy is {:.3g} nats, below {:g}: they have become one tap",
                             row["kernel_entropy"], config_.watch.entropy);
-  if (config_.watch.enabled && deviation < kLeastDeviation && !best_unsaved_)
+  if (config_.watch.enabled && deviation < kLeastDeviation) {
     collapse_ = fmt::format(
         "all pixels have the same kernel (relative deviation {:.2g}): nothing is learnt any more", deviation);
+    forget_unsaved_best();  // early in a run even this may be the best so far, but it leads nowhere
+    if (state_.best_step == 0) state_.watch.calm_step = 0;  // nor may what was saved since it was lost
+  }
 }
 
 /// Collective. The state becomes that of the best checkpoint; without one, of the newest from before the

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "tests/support/packed_crop.h"
 #include "tests/support/random_frame.h"
@@ -120,6 +121,22 @@ TEST(Augmentation, ExposureIsUniformInStopsAndChangesNoCrop) {
   EXPECT_LE(high, 4.0F);
   EXPECT_LT(low, 0.26F);
   EXPECT_GT(high, 3.9F);
+}
+
+TEST(Augmentation, ColoursComeInAllOrdersAndChangeNothingElse) {
+  const PackedFrame frame = pack(random_frame(20, 10, 1));
+  std::map<std::array<int, 3>, int> orders;
+  for (uint32_t i = 0; i < 1200; ++i) {
+    RandomStream stream(1, RandomPurpose::augmentation, i), same(1, RandomPurpose::augmentation, i);
+    Augmentation a = random_augmentation(stream, frame, {8, true, true, 2, 1, true});
+    const Augmentation plain = random_augmentation(same, frame, {8, true, true, 2, 1, false});
+    ++orders[a.colours];
+    ASSERT_TRUE(a.x == plain.x && a.y == plain.y && a.flip_x == plain.flip_x &&
+                a.quarter_turns == plain.quarter_turns && a.exposure == plain.exposure);
+    ASSERT_EQ(plain.colours, (std::array<int, 3>{0, 1, 2}));
+  }
+  ASSERT_EQ(orders.size(), 6);
+  for (const auto& [order, count] : orders) EXPECT_NEAR(count, 200, 60);
 }
 
 TEST(Augmentation, DifficultyPrefersTheNoisyHalf) {

@@ -69,7 +69,10 @@ struct Expected {
     return static_cast<size_t>(a.y + y) * static_cast<size_t>(frame.width) + static_cast<size_t>(a.x + x);
   }
 
+  int colour(int c) const { return a.colours[static_cast<size_t>(c)]; }
+
   float encoded(int s, const Feature& feature, int c, size_t p) const {
+    if (feature.name == "radiance" || feature.name == "albedo" || feature.name == "specular") c = colour(c);
     float v[3] = {frame.plane(s, feature.offset)[p], 0, 0};
     for (int i = 1; i < feature.channels; ++i) v[i] = frame.plane(s, feature.offset + i)[p];
     if (feature.vector != Vector::none) {
@@ -100,13 +103,14 @@ void check_crop(const Frame& frame, const PackedFrame& packed, const Augmentatio
       const size_t p = expected.source(x, y);
       const auto at = static_cast<size_t>(y) * static_cast<size_t>(a.result_width()) + static_cast<size_t>(x);
       for (int c = 0; c < 3; ++c)
-        ASSERT_EQ(crop.reference.plane(c)[at], a.exposure * mean.plane(c)[p]) << x << " " << y;
+        ASSERT_EQ(crop.reference.plane(c)[at], a.exposure * mean.plane(expected.colour(c))[p])
+            << x << " " << y;
       for (int s = 0; s < frame.spp; ++s) {
         const bool valid = frame.valid_plane(s)[p] != 0;
         ASSERT_EQ(crop.frame.valid_plane(s)[at], valid ? 1 : 0);
-        for (size_t c = 0; c < 3; ++c)
-          ASSERT_EQ(crop.radiance[(static_cast<size_t>(s) * 3 + c) * crop.frame.plane_size() + at],
-                    valid ? a.exposure * frame.plane(s, static_cast<int>(c))[p] : 0.0F);
+        for (int c = 0; c < 3; ++c)
+          ASSERT_EQ(crop.radiance[static_cast<size_t>(s * 3 + c) * crop.frame.plane_size() + at],
+                    valid ? a.exposure * frame.plane(s, expected.colour(c))[p] : 0.0F);
         for (const std::string& name : packed.features) {
           const Feature& feature = find_feature(name);
           for (int c = 0; c < feature.channels; ++c)
@@ -142,6 +146,7 @@ TEST(Crop, EveryPixelIsWhereAndWhatItShouldBe) {
     inside.x = width / 3;
     inside.y = height / 2;
     inside.exposure = 0.7F;
+    inside.colours = {2, 0, 1};
     check_crop(frame, packed, inside);
     inside.x = inside.y = 0;
     inside.width = inside.height = 1;

@@ -224,6 +224,25 @@ TEST_F(Collapse, KernelsOfOneTapAreOneToo) {
   }
 }
 
+TEST_F(Collapse, KernelsThatAreTheSameEverywhereAreNeverTheBest) {
+  Collapsing collapsing(0);
+  std::vector<int64_t> validated;
+  collapsing.options.kernel_probe = [&](Network&, const NetworkInput&) {
+    const TrainingState& state = collapsing.trainer->state();
+    validated.push_back(state.step);
+    return KernelStatistics{2.0, 0.25, {0.75, 0.25}, state.rollbacks == 0 ? 1e-6 : 0.1};
+  };
+  collapsing.train(config(20), folder_ / "run");
+  // The first validation, the best so far, is not kept: the run begins anew.
+  EXPECT_EQ(validated, (std::vector<int64_t>{10, 10, 20}));
+  EXPECT_EQ(collapsing.state.rollbacks, 1);
+  EXPECT_NE(
+      log("run").find("all pixels have the same kernel (relative deviation 1e-06): nothing is learnt any "
+                      "more. Going back to step 0, with 0.5 of the learning rate (1 of 3 times)"),
+      std::string::npos)
+      << log("run");
+}
+
 TEST_F(Collapse, TwoProcessesGoBackTogether) {
   std::vector<TrainingState> states(2);
   std::vector<torch::Tensor> weights(2);
