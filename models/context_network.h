@@ -6,6 +6,7 @@
 #include "frame/schema.h"
 #include "models/demodulation.h"
 #include "models/network.h"
+#include "models/rejection.h"
 #include "models/sample_embeddings.h"
 #include "models/unet.h"
 
@@ -20,6 +21,7 @@ class ContextNetwork : public Network {
         unet_(register_module("unet", std::make_shared<UNet>(config.sample_reducer.back(), config.unet))) {
     if (config.demodulation != "none")
       modulation_ = register_module("modulation", std::make_shared<Modulation>(config));
+    if (config.rejection) rejection_ = register_module("rejection", std::make_shared<Rejection>(config));
   }
 
   /// What the U-net knows of a picture, its full resolution on demand.
@@ -48,10 +50,15 @@ class ContextNetwork : public Network {
     return std::max(config().kernel_size / 2, modulation_ ? Modulation::kReach : 0);
   }
 
-  /// What modulated() needs of some rows, as a list that is empty without demodulation.
-  std::vector<torch::Tensor> modulators_of(const NetworkInput& strip) const {
-    if (!modulation_) return {};
-    return {modulators(strip.demodulator, strip.valid)};
+  /// What modulated() needs of some rows; undefined without demodulation.
+  torch::Tensor modulators_of(const NetworkInput& strip) const {
+    return modulation_ ? modulators(strip.demodulator, strip.valid) : torch::Tensor();
+  }
+
+  /// log n of what is sent, [B, N, H, W], less what is rejected.
+  torch::Tensor weighed(const torch::Tensor& log_n, const torch::Tensor& embedding,
+                        const torch::Tensor& context) const {
+    return rejection_ ? rejection_->weighed(log_n, embedding, context) : log_n;
   }
 
   /// The picture [B, 3, H, W] from what was filtered, [B, radiance_channels(), H, W].
@@ -85,6 +92,7 @@ class ContextNetwork : public Network {
   std::shared_ptr<SampleReducer> sample_reducer_;
   std::shared_ptr<UNet> unet_;
   std::shared_ptr<Modulation> modulation_;  // null without demodulation
+  std::shared_ptr<Rejection> rejection_;    // null without rejection
 };
 
 }  // namespace ld

@@ -37,7 +37,8 @@ LayeredNetwork::Layers LayeredNetwork::make_layers(const InputSource& input,
     const Tensor here = rows(c, first - begin, last - begin);
     const Tensor logits = sample_partitioner_->forward(embedding, here);
     Layers made = {here, partition(logits, strip.valid, strip.radiance, embedding, compositing()), {}};
-    if (modulation_) made.modulators = modulators_of(strip)[0];
+    made.partition.log_n = weighed(made.partition.log_n, made.partition.embedding, here);
+    made.modulators = modulators_of(strip);
     std::vector<Tensor> tensors = made.tensors();  // eq. 1 and 2
     tensors.erase(tensors.begin());
     return tensors;

@@ -69,6 +69,9 @@ void check_use(const NetworkConfig& config) {
     fail_usage(
         "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized'",
         config.levels, config.name);
+  if (config.rejection && config.name == "pixel_gather")
+    fail_usage(
+        "network.rejection is true, but network 'pixel_gather' weighs what it receives anyway; leave it out");
   if (network.has_levels && (config.levels < 1 || config.levels > UNet::resolutions(config.unet)))
     fail_usage("network.levels is {}, expected 1 to {}: the U-net has so many resolutions", config.levels,
                UNet::resolutions(config.unet));

@@ -57,6 +57,7 @@ struct NetworkConfig {
   /// Kernel logits are kept within (-c, c) by c x / (c + |x|) (ops/fully_connected.h); 0: not bounded, as
   /// [MH20] has it. A kernel of one tap alone has no gradient left to learn from.
   double logit_bound = 0;
+  bool rejection = false;  // of fireflies (models/rejection.h)
   // How a training begins (models/initialise.h).
   std::string initialisation = "xavier";  // or "he"
   double initial_kernel = 0;              // deviation of the Gaussian that kernels begin as, pixels; 0: none
@@ -87,6 +88,7 @@ struct NetworkConfig {
     v.field("exposure_normalisation", exposure_normalisation);
     v.field("demodulation", demodulation, {"none", "albedo"});
     v.field("logit_bound", logit_bound, Range{0, 1000});
+    v.field("rejection", rejection);
     v.field("initialisation", initialisation, {"xavier", "he"});
     v.field("initial_kernel", initial_kernel, Range{0, 100});
   }

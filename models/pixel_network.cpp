@@ -40,7 +40,7 @@ Tensor PixelNetwork::denoise(const InputSource& input) {
                       .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
               std::vector<Tensor> pixels = {log_n,
                                             masked_mean(strip.radiance, strip.valid)};  // the aggregate
-              if (modulation_) pixels.push_back(modulators_of(strip)[0]);
+              if (modulation_) pixels.push_back(modulators_of(strip));
               return pixels;
             });
         const Tensor of_pixels = modulation_ ? made.back() : Tensor();
@@ -51,8 +51,9 @@ Tensor PixelNetwork::denoise(const InputSource& input) {
         return made;
       },
       [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        const Tensor filtered = filter(kernel_generator_->kernels(), made[3].unsqueeze(1), made[2],
-                                       made[0].squeeze(1), made[1], first);
+        const Tensor embedding = made[3].unsqueeze(1), log_n = weighed(made[0], embedding, made[2]);
+        const Tensor filtered =
+            filter(kernel_generator_->kernels(), embedding, made[2], log_n.squeeze(1), made[1], first);
         const Tensor picture = modulated(filtered, modulation_ ? made[4] : Tensor(), made[2]);
         return std::vector<Tensor>{rows(picture, begin - first, end - first)};
       })[0];
@@ -65,9 +66,10 @@ Kernels PixelNetwork::make_kernels(const InputSource& input) {
   const Context context = make_context(
       [&](int64_t begin, int64_t end) { return rows(embedding.squeeze(1), begin, end); }, input, 1);
   const Tensor drawn = whole.valid.ne(0).any(1);  // [B, 1, H, W]
-  return {kernel_generator_->logits(embedding, context_rows(context, 0, sizes.height)),
-          at::zeros(drawn.sizes(), whole.radiance.options())
-              .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity())};
+  const Tensor log_n = at::zeros(drawn.sizes(), whole.radiance.options())
+                           .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
+  const Tensor c = context_rows(context, 0, sizes.height);
+  return {kernel_generator_->logits(embedding, c), weighed(log_n, embedding, c)};
 }
 
 int64_t PixelNetwork::row_bytes(const PictureSize& size) const {

@@ -58,8 +58,8 @@ Kernels SampleSplatNetwork::make_kernels(const InputSource& given) {
   const Context context =
       make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
   const NetworkInput whole = input.rows(0, height);
-  return {kernel_generator_->logits(embeddings.of_rows(whole, 0, height), context_rows(context, 0, height)),
-          log_weights(whole.valid)};
+  const Tensor embedding = embeddings.of_rows(whole, 0, height), c = context_rows(context, 0, height);
+  return {kernel_generator_->logits(embedding, c), weighed(log_weights(whole.valid), embedding, c)};
 }
 
 Tensor SampleSplatNetwork::denoise(const InputSource& given) {
@@ -79,10 +79,10 @@ Tensor SampleSplatNetwork::denoise(const InputSource& given) {
         NetworkInput strip = input.rows(first, last);
         const Tensor embedding = embeddings.of_rows(strip, first, last);
         strip.features = Tensor();
-        const std::vector<Tensor> of_pixels = modulators_of(strip);
-        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made[0],
-                                                      log_weights(strip.valid), strip.radiance, first);
-        const Tensor picture = modulated(filtered, of_pixels.empty() ? Tensor() : of_pixels[0], made[0]);
+        const Tensor log_n = weighed(log_weights(strip.valid), embedding, made[0]);
+        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made[0], log_n,
+                                                      strip.radiance, first);
+        const Tensor picture = modulated(filtered, modulators_of(strip), made[0]);
         return std::vector<Tensor>{rows(picture, begin - first, end - first)};
       })[0];
 }

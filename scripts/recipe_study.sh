@@ -27,9 +27,11 @@ arguments() {
     without_gaussian) echo network.initial_kernel=0 ;;
     without_demodulation) echo network.demodulation=none ;;
     without_bound) echo network.logit_bound=0 ;;
+    without_rejection) echo network.rejection=false ;;
     without_average) echo optimizer.ema=0 ;;
     without_clipping) echo optimizer.clip_norm=0 ;;
-    without_all) echo network.initialisation=xavier network.initial_kernel=0 network.demodulation=none network.logit_bound=0 optimizer.ema=0 optimizer.clip_norm=0 optimizer.schedule=cosine optimizer.learning_rate=0.003 ;;
+    without_all) echo network.initialisation=xavier network.initial_kernel=0 network.demodulation=none network.logit_bound=0 network.rejection=false optimizer.beta2=0.999 optimizer.epsilon=1e-8 optimizer.ema=0 optimizer.clip_norm=0 optimizer.schedule=cosine optimizer.learning_rate=0.003 ;;
+    adam_defaults) echo optimizer.beta2=0.999 optimizer.epsilon=1e-8 ;;
     cosine) echo optimizer.schedule=cosine ;;
     rate_half) echo optimizer.learning_rate=0.002 ;;
     rate_double) echo optimizer.learning_rate=0.008 ;;
@@ -48,19 +50,21 @@ arguments() {
     crop_96) echo data.crop=96 data.batch=2 ;;
     difficulty_4) echo data.difficulty=4 ;;
     exposure_2) echo data.exposure=2 ;;
+    colours) echo data.colours=true ;;
+    smape_l2) echo loss=smape_l2 ;;
     multiscale) echo loss=smape_multiscale ;;
     l2) echo loss=l2_tonemapped ;;
     relative_l2) echo loss=relative_l2 ;;
     half_width) echo "network.unet.encoder=[[8, 8], [16], [24]]" "network.unet.bottleneck=[32]" "network.unet.decoder=[[24, 24], [16, 16], [16, 16]]" ;;
     double_width) echo "network.unet.encoder=[[32, 32], [64], [96]]" "network.unet.bottleneck=[128]" "network.unet.decoder=[[96, 96], [64, 64], [64, 64]]" ;;
-    pixel_gather) echo network.name=pixel_gather network.layers=2 ;;
+    pixel_gather) echo network.name=pixel_gather network.layers=2 network.rejection=false ;;
     pixel_splat) echo network.name=pixel_splat network.layers=2 ;;
     pixel_splat_multiscale) echo network.name=pixel_splat network.layers=2 loss=smape_multiscale ;;
     *) echo "recipe_study.sh: unknown change '$1'" >&2; return 2 ;;
   esac
 }
-all="base without_he without_gaussian without_demodulation without_bound without_average without_clipping without_all cosine rate_half
-rate_double adamw kernel_5 kernel_13 levels_3 levels_4 bound_4 layers_1 layers_3 first_samples samples_1_16 batch_8 batch_2 crop_96 difficulty_4 exposure_2 multiscale l2
+all="base without_he without_gaussian without_demodulation without_bound without_rejection without_average without_clipping without_all adam_defaults cosine rate_half
+rate_double adamw kernel_5 kernel_13 levels_3 levels_4 bound_4 layers_1 layers_3 first_samples samples_1_16 batch_8 batch_2 crop_96 difficulty_4 exposure_2 colours smape_l2 multiscale l2
 relative_l2 half_width double_width pixel_gather pixel_splat
 pixel_splat_multiscale"
 changes=${CHANGES:-$all}

@@ -51,12 +51,14 @@ train_cycle() {
   echo "== $name, cycle $n: ${begin[*]:-random weights}, $minutes minutes"
   "$bin/ld_train" --config "configs/$name.yaml" "data.path=$data" "run.minutes=$minutes" "${begin[@]}" "${rate[@]}" --threads 1 --out "$run"
   touch "$run/done"
-  local new old=inf
-  new=$(score "$run")
+  local new old=inf card=${released%.safetensors}.md hours
+  hours=$(python3 scripts/release_card.py hours "$card" "$run")
   if [ -e "$released" ]; then old=$(score "$released"); fi
+  new=$(score "$run")
   echo "== $name, cycle $n: validation SMAPE $new, released $old"
   if python3 -c "import sys; sys.exit(not float('$new') < float('$old'))"; then
-    "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 0.05 --card "${released%.safetensors}.md" --out "$released"
+    "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 0.05 --card "$card" --out "$released"
+    python3 scripts/release_card.py write "$card" "$name" "$data" "$out/score.json" "$hours"
   fi
 }
 

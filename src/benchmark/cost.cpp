@@ -81,6 +81,8 @@ NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t heig
       cost.partitioner += weights * pixels * sources.samples;
     } else if (starts_with(name, "modulation.")) {
       cost.filtering += weights * pixels;
+    } else if (starts_with(name, "rejection.")) {
+      cost.filtering += weights * pixels * sources.kernels;
     } else if (starts_with(name, "kernel_generator")) {
       const int64_t level = optimized ? trailing_number(name) : 0;
       cost.kernel_generator += weights * pixels_at(level) * sources.kernels;

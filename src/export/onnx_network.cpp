@@ -6,6 +6,7 @@
 #include "export/onnx_filters.h"
 #include "export/onnx_modules.h"
 #include "frame/schema.h"
+#include "models/rejection_range.h"
 
 namespace ld {
 namespace {
@@ -32,6 +33,17 @@ Value kernels(OnnxGraph& g, const NetworkConfig& config, const std::string& name
               const Value& context) {
   return generate(g, config, name, 0, config.kernel_size * config.kernel_size, config.logit_bound, embedding,
                   context);
+}
+
+/// models/rejection.h.
+Value weighed(OnnxGraph& g, const NetworkConfig& config, const Value& log_n, const Value& embedding,
+              const Value& context) {
+  if (!config.rejection) return log_n;
+  g.enter("rejection");
+  const Value logit = onnx_fully_connected(g, {"rejection.weight", 1, false, config.sample_reducer.back()},
+                                           embedding, context);
+  const Value rejected = g.op("Sigmoid", {logit});
+  return g.sub(log_n, g.mul(g.number(float(kMostRejected)), rejected));
 }
 
 /// What is filtered, before its modulation, and the context at full resolution.
@@ -79,6 +91,8 @@ Layers make_layers(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples&
       g, {"sample_partitioner", config.sample_partitioner.size() + 1, false, config.sample_reducer.back()},
       embedding, layers.context[0]);
   layers.partition = onnx_partition(g, config, logits, samples, embedding);
+  layers.partition.log_n =
+      weighed(g, config, layers.partition.log_n, layers.partition.embedding, layers.context[0]);
   return layers;
 }
 
@@ -142,7 +156,8 @@ Filtered pixel(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& sam
   const Value logits = kernels(g, config, "kernel_generator", embedding, context);
   g.enter("filter");
   const Value radiance = onnx_masked_mean(g, samples.radiance, samples.valid);
-  const Value log_n = g.where(g.is_zero(samples.drawn), g.number(-kInfinity), g.number(0));
+  const Value equal = g.where(g.is_zero(samples.drawn), g.number(-kInfinity), g.number(0));
+  const Value log_n = weighed(g, config, equal, embedding, context);
   if (gather) return {onnx_gather(g, logits, g.squeeze(log_n, 1), radiance, kernel, channels), context};
   return {g.squeeze(onnx_splat(g, logits, log_n, g.unsqueeze(radiance, 1), kernel, channels, false), 1),
           context};
@@ -170,7 +185,8 @@ Filtered sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSampl
   const Value context = onnx_unet(g, config.unet, onnx_masked_mean(g, embedding, samples.valid), 1)[0];
   const Value logits = kernels(g, config, "kernel_generator", embedding, context);
   g.enter("splat");
-  const Value log_n = g.where(missing, g.number(-kInfinity), g.number(0));
+  const Value equal = g.where(missing, g.number(-kInfinity), g.number(0));
+  const Value log_n = weighed(g, config, equal, embedding, context);
   return {onnx_splat(g, logits, log_n, samples.radiance, config.kernel_size, samples.radiance_channels, true),
           context};
 }

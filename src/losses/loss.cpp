@@ -11,6 +11,7 @@
 #include "losses/relative_l2.h"
 #include "losses/relmse.h"
 #include "losses/smape.h"
+#include "losses/smape_l2.h"
 #include "losses/smape_multiscale.h"
 
 namespace ld {
@@ -25,6 +26,7 @@ const std::map<std::string, Loss>& registry() {
       {"relative_l2", relative_l2},
       {"relmse", relmse_loss},
       {"smape", smape_loss},
+      {"smape_l2", smape_l2_loss},
       {"smape_multiscale", smape_multiscale_loss},
   };
   return losses;

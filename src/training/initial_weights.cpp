@@ -16,6 +16,8 @@ namespace {
 
 /// The one parameter whose columns are the features.
 constexpr const char* kFirstLayer = "sample_reducer.0.weight";
+/// Parameters that weights may lack: as they begin, they change nothing (models/rejection.h).
+constexpr const char* kRejection = "rejection.";
 
 /// First channel of each feature among the network's inputs.
 std::map<std::string, int64_t> first_channels(const std::vector<std::string>& features) {
@@ -72,6 +74,7 @@ void begin_with_weights(const std::filesystem::path& model, Network& network) {
   const torch::NoGradGuard no_graph;
   for (auto& parameter : network.named_parameters()) {
     const torch::Tensor* found = source.find(parameter.key());
+    if (found == nullptr && parameter.key().rfind(kRejection, 0) == 0) continue;  // which begins as nothing
     if (found == nullptr)
       fail(
           "init: {} (network '{}') has no '{}', which this run's network '{}' has; give both the same layers",

@@ -106,6 +106,7 @@ int64_t parameter_count(const NetworkConfig& config) {
     widths.push_back(config.layers);
     count += chain_count(widths);
   }
+  if (config.rejection) count += chain_count({embedding + config.unet.context, 1});
   if (config.demodulation != "none") count += chain_count({1 + config.unet.context, 1});
   return count;
 }

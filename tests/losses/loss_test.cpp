@@ -56,6 +56,10 @@ double l2_reference(const Tensor& d, const Tensor& r) {
   return sum / double(d.numel());
 }
 
+double smape_l2_reference(const Tensor& d, const Tensor& r) {
+  return smape_reference(d, r) + l2_reference(d, r);
+}
+
 double l1_reference(const Tensor& d, const Tensor& r) {
   double sum = 0;
   for (int64_t i = 0; i < d.numel(); ++i) sum += std::abs(d.data_ptr<double>()[i] - r.data_ptr<double>()[i]);
@@ -100,6 +104,7 @@ TEST(Losses, AgreeWithTheirEquations) {
       {"relative_l2", held_factor_reference<relative_factor>},
       {"relmse", relmse_reference},
       {"smape", smape_reference},
+      {"smape_l2", smape_l2_reference},
       {"smape_multiscale", smape_multiscale_reference}};
   const Tensor d = random_uniform({2, 3, 5, 7}, 1, 0, 3), r = random_uniform({2, 3, 5, 7}, 2, 0, 3);
   for (const std::string& name : loss_names()) {
@@ -183,9 +188,10 @@ double fitted_to_noise(const std::string& name) {
 
 // What docs/training.md says of training on references of few samples. The median of the noise is log 2.
 TEST(Losses, OfNoisyTargetsOnlyTheLossesMadeForThemFindTheMean) {
-  const std::map<std::string, double> expected = {
-      {"l1", std::log(2)}, {"l2_tonemapped", 0.643}, {"l2_tonemapped_linear", 1}, {"relative_l2", 1},
-      {"relmse", 0.0266},  {"smape", 0.784},         {"smape_multiscale", 0.964}};
+  const std::map<std::string, double> expected = {{"l1", std::log(2)},         {"l2_tonemapped", 0.643},
+                                                  {"l2_tonemapped_linear", 1}, {"relative_l2", 1},
+                                                  {"relmse", 0.0266},          {"smape", 0.784},
+                                                  {"smape_l2", 0.728},         {"smape_multiscale", 0.964}};
   for (const std::string& name : loss_names()) {
     ASSERT_EQ(expected.count(name), 1) << "what does loss " << name << " make of noisy targets?";
     EXPECT_NEAR(fitted_to_noise(name) / expected.at(name), 1, 0.01) << name;
@@ -230,7 +236,7 @@ TEST(Losses, UnknownNamesAndUnequalShapesAreErrors) {
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),
                  "unknown loss 'smap'; did you mean 'smape'? choose from l1, l2_tonemapped, "
-                 "l2_tonemapped_linear, relative_l2, relmse, smape, smape_multiscale");
+                 "l2_tonemapped_linear, relative_l2, relmse, smape, smape_l2, smape_multiscale");
   }
   for (const std::string& name : loss_names()) {
     EXPECT_THROW(make_loss(name)(torch::ones({1, 3, 2, 2}), torch::ones({1, 3, 2, 1})), Error);

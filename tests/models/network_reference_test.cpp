@@ -30,6 +30,7 @@ Tensor expected_output(const Network& network, const NetworkInput& input) {
   layout.kernel_size = config.kernel_size;
   layout.logit_bound = config.logit_bound;
   layout.demodulates = config.demodulation != "none";
+  layout.rejects = config.rejection;
   layout.albedo = first_channel(config.features, "albedo");
   layout.specular = first_channel(config.features, "specular");
   const reference::Samples samples = {to_grid(input.features), to_grid(input.radiance), to_grid(input.valid)};

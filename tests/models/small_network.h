@@ -23,7 +23,7 @@ inline NetworkConfig small_config() {
 }
 
 /// small_config() of every registered network, also of the one that is added tomorrow: as [MH20] has it, with
-/// demodulation and bounded kernels, and with weighted compositing of those that have layers.
+/// demodulation, rejection and bounded kernels, and with weighted compositing of those that have layers.
 inline std::vector<NetworkConfig> every_config() {
   std::vector<NetworkConfig> configs;
   for (const std::string& name : network_names()) {
@@ -34,6 +34,7 @@ inline std::vector<NetworkConfig> every_config() {
     demodulating.features = {"radiance", "specular", "depth", "albedo"};
     demodulating.demodulation = "albedo";
     demodulating.logit_bound = 4;
+    demodulating.rejection = name != "pixel_gather";  // which knows no such thing
     configs.push_back(demodulating);
     config.compositing = "weighted";
     try {

@@ -65,15 +65,38 @@ Grid bounded(Grid logits, const NetworkLayout& layout) {
   return logits;
 }
 
-Layers make_layers(const Samples& samples, const FirstHalf& half, const Parameters& parameters) {
+/// exp(-16 sigmoid(w . [E, C] + b)) for each S of the embedding, or 1 without rejection.
+Grid kept(const Grid& embedding, const Grid& context, const Parameters& parameters,
+          const NetworkLayout& layout) {
+  Grid out(embedding.b, embedding.s, 1, embedding.h, embedding.w);
+  const Grid logits =
+      layout.rejects ? fully_connected(embedding, context, parameters, "rejection.weight.", false) : out;
+  each(out, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    out(b, s, 0, y, x) = layout.rejects ? std::exp(-16 / (1 + std::exp(-logits(b, s, 0, y, x)))) : 1;
+  });
+  return out;
+}
+
+Grid scaled(Grid values, const Grid& factor) {
+  each(values, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
+    for (int64_t c = 0; c < values.c; ++c) values(b, s, c, y, x) *= factor(b, s, 0, y, x);
+  });
+  return values;
+}
+
+Layers make_layers(const Samples& samples, const FirstHalf& half, const Parameters& parameters,
+                   const NetworkLayout& layout) {
   const Grid logits =
       fully_connected(half.embedding, half.context[0], parameters, "sample_partitioner.", false);
-  return partition(logits, samples.valid, samples.radiance, half.embedding);
+  const Layers layers = partition(logits, samples.valid, samples.radiance, half.embedding);
+  const Grid factor = kept(layers.embedding, half.context[0], parameters, layout);
+  return {scaled(layers.weight, factor), scaled(layers.occupancy, factor), scaled(layers.radiance, factor),
+          layers.embedding};
 }
 
 Grid layer(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
-  const Layers layers = make_layers(samples, half, parameters);
+  const Layers layers = make_layers(samples, half, parameters, layout);
   const Grid kernels = bounded(
       fully_connected(layers.embedding, half.context[0], parameters, "kernel_generator.", false), layout);
   return filter_layers(kernels, layers, layout.weighted);
@@ -89,9 +112,11 @@ Grid sample_splat(const Samples& samples, const Parameters& parameters, const Ne
     for (int64_t c = 0; c < values.c; ++c) values(b, s, c, y, x) = 0;
     for (int64_t t = 0; t < kernels.c; ++t) kernels(b, s, t, y, x) = -1e9;  // not the largest of any pixel
   });
-  return divide(total(splat(kernels, values)), total(splat(kernels, ones)));
+  const Grid factor = kept(half.embedding, half.context[0], parameters, layout);
+  return divide(total(splat(kernels, scaled(values, factor))), total(splat(kernels, scaled(ones, factor))));
 }
 
+/// The kernel's weights times those of the pixels, `given`.
 Grid gather(const Grid& logits, const Grid& values, const Grid& given) {
   const auto size = int64_t(std::lround(std::sqrt(double(logits.c))));
   Grid out(values.b, 1, values.c, values.h, values.w);
@@ -100,7 +125,7 @@ Grid gather(const Grid& logits, const Grid& values, const Grid& given) {
     for (int64_t t = 0; t < logits.c; ++t) {
       const int64_t yy = y + t / size - size / 2, xx = x + t % size - size / 2;
       if (yy < 0 || yy >= values.h || xx < 0 || xx >= values.w || given(b, 0, 0, yy, xx) == 0) continue;
-      const double weight = std::exp(logits(b, 0, t, y, x));
+      const double weight = std::exp(logits(b, 0, t, y, x)) * given(b, 0, 0, yy, xx);
       sum += weight;
       for (int64_t c = 0; c < values.c; ++c) out(b, 0, c, y, x) += weight * values(b, 0, c, yy, xx);
     }
@@ -115,8 +140,10 @@ Grid pixel(const Samples& samples, const Parameters& parameters, const NetworkLa
   const Grid context = unet(embedding, parameters, layout.unet)[0];
   const Grid kernels =
       bounded(fully_connected(embedding, context, parameters, "kernel_generator.", false), layout);
-  const Grid radiance = masked_mean(samples.radiance, samples.valid), given = drawn(samples.valid);
-  return gathers ? gather(kernels, radiance, given) : divide(splat(kernels, radiance), splat(kernels, given));
+  const Grid radiance = masked_mean(samples.radiance, samples.valid);
+  const Grid given = scaled(drawn(samples.valid), kept(embedding, context, parameters, layout));
+  return gathers ? gather(kernels, radiance, given)
+                 : divide(splat(kernels, scaled(radiance, given)), splat(kernels, given));
 }
 
 /// Sums over blocks of 2^level x 2^level pixels.
@@ -143,7 +170,7 @@ Grid reached(const Grid& pixels, int64_t kernel_size) {
 
 Grid optimized(const Samples& samples, Parameters parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
-  const Layers layers = make_layers(samples, half, parameters);
+  const Layers layers = make_layers(samples, half, parameters, layout);
   const int64_t taps = layout.kernel_size * layout.kernel_size, h = samples.valid.h, w = samples.valid.w;
 
   Grid sum(samples.valid.b, 1, samples.radiance.c, h, w), lambda_sum(samples.valid.b, 1, 1, h, w),

@@ -13,7 +13,7 @@ struct NetworkLayout {
   int64_t kernel_size = 0;
   double logit_bound = 0;              // c of c x / (c + |x|); 0: none
   int64_t albedo = -1, specular = -1;  // first channels, for demodulation; -1: not there
-  bool demodulates = false;
+  bool demodulates = false, rejects = false;
 };
 
 struct Samples {

@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# One network for 1 to 16 samples a pixel against networks each trained for one number of samples alone, all for the same number of steps:
+#
+#   scripts/sample_counts.sh DATA OUT
+#
+# DATA is a data set of at least 16 samples a pixel with a validation split (data/recipes/release.yaml). OUT receives runs/, one folder of
+# ld_eval for each number of samples, and sample_counts.md. Safe to interrupt and run again. Environment:
+#   STEPS    of each training (default 2000)
+#   CONFIG   default configs/common_fast.yaml
+#   SAMPLES  default "1 2 4 8 16"
+#   JOBS     trainings at a time, one thread each (default 1)
+#   BIN      default build/bin
+set -euo pipefail
+cd "$(dirname "$0")/.."
+if [ $# -ne 2 ]; then
+  echo "usage: scripts/sample_counts.sh DATA OUT" >&2
+  exit 2
+fi
+data=$1 out=$2 bin=${BIN:-build/bin} steps=${STEPS:-2000} config=${CONFIG:-configs/common_fast.yaml} jobs=${JOBS:-1}
+counts=${SAMPLES:-1 2 4 8 16}
+export OMP_WAIT_POLICY=passive
+
+train() { # NAME LEAST MOST VALIDATION
+  local run=$out/runs/$1
+  if [ -e "$run/done" ]; then return; fi
+  mkdir -p "$run"
+  "$bin/ld_train" --config "$config" --threads 1 "data.path=$data" "data.samples=[$2, $3]" "data.validation_samples=$4" "steps=$steps" \
+    --out "$run" > "$run/output" 2>&1 || { echo "sample_counts.sh: training $1 failed; see $run/output" >&2; return 1; }
+  touch "$run/done"
+}
+
+least=${counts%% *} most=${counts##* }
+train any "$least" "$most" 8 &
+for n in $counts; do
+  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
+  train "only_$n" "$n" "$n" "$n" &
+done
+while [ "$(jobs -p | wc -l)" -gt 0 ]; do wait -n; done
+for n in $counts; do
+  "$bin/ld_eval" --data "$data" --split validation --samples "$n" --model "any=$out/runs/any" --model "only=$out/runs/only_$n" --threads 1 \
+    --baseline only --out "$out/$n" > "$out/$n.log"
+done
+python3 - "$out" "$counts" << 'END' | tee "$out/sample_counts.md"
+import json, pathlib, sys
+out, counts = pathlib.Path(sys.argv[1]), sys.argv[2].split()
+print("| samples a pixel | noisy | one network for all | one for this number | ratio |")
+print("| ---: | ---: | ---: | ---: | ---: |")
+for n in counts:
+    methods = json.loads((out / n / "metrics.json").read_text(encoding="utf-8"))["methods"]
+    noisy, any_, only = (methods[name]["mean"]["smape"] for name in ("noisy", "any", "only"))
+    print(f"| {n} | {noisy:.4f} | {any_:.4f} | {only:.4f} | {any_ / only:.3f} |")
+END
