@@ -102,7 +102,8 @@ inline void scale_logits(Network& network, double scale) {
   }
 }
 
-/// Xavier weights, and biases that are not 0, in the wanted type.
+/// Xavier weights, and biases that are not 0, in the wanted type. The weights of rejection, which begin at 0,
+/// differ from it, or nobody would notice a wrong one.
 inline std::shared_ptr<Network> small_network(const NetworkConfig& config, torch::ScalarType type,
                                               uint64_t seed = 1) {
   const auto network = make_network(config);
@@ -112,6 +113,9 @@ inline std::shared_ptr<Network> small_network(const NetworkConfig& config, torch
   uint32_t index = 100;
   for (auto& parameter : network->parameters())
     if (parameter.dim() == 1) parameter.copy_(random_normal(parameter.sizes(), index++, 0.3));
+  auto named = network->named_parameters();
+  if (auto* weight = named.find("rejection.weight.0.weight"))
+    weight->copy_(random_normal(weight->sizes(), 99, 0.2));
   return network;
 }
 
