@@ -115,7 +115,7 @@ inline std::shared_ptr<Network> small_network(const NetworkConfig& config, torch
     if (parameter.dim() == 1) parameter.copy_(random_normal(parameter.sizes(), index++, 0.3));
   auto named = network->named_parameters();
   if (auto* weight = named.find("rejection.weight.0.weight"))
-    weight->copy_(random_normal(weight->sizes(), 99, 0.2));
+    weight->copy_(random_normal(weight->sizes(), 99, 0.05));
   return network;
 }
 
