@@ -20,33 +20,23 @@ if [ $# -ne 2 ]; then
   echo "usage: scripts/collapse_study.sh DATA OUT" >&2
   exit 2
 fi
-data=$1 out=$2 bin=${BIN:-build/bin} steps=${STEPS:-200} jobs=${JOBS:-1}
+data=$1 out=$2 steps=${STEPS:-200} jobs=${JOBS:-1}
+. scripts/studies.sh
 read -ra change <<< "${CHANGE:-}"
 
-train() {
-  local network=$1 loss=$2 rate=$3 seed=$4
-  local run=$out/runs/$network,$loss,$rate,$seed
-  if [ -e "$run/done" ]; then return; fi
-  mkdir -p "$run"
-  "$bin/ld_train" --config "configs/$network.yaml" --threads 1 --seed "$seed" "data.path=$data" data.crop=32 "steps=$steps" "loss=$loss" \
-    "optimizer.learning_rate=$rate" watch.enabled=false "run.validate_every=$((steps / 2))" "run.checkpoint_every=$steps" "${change[@]}" \
-    --out "$run" > "$run/output" 2>&1 || { echo "collapse_study.sh: training $run failed; see $run/output" >&2; return 1; }
-  touch "$run/done"
-}
-
 mkdir -p "$out"
-export OMP_WAIT_POLICY=passive
 for network in ${NETWORKS:-quick quick_layer_weighted quick_optimized quick_pixel_gather quick_pixel_splat quick_sample_splat}; do
   for loss in ${LOSSES:-smape l2_tonemapped}; do
     for rate in ${RATES:-0.005 0.01}; do
       for seed in ${SEEDS:-1 2 3 4 5 6 7 8 9 10}; do
-        while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
-        train "$network" "$loss" "$rate" "$seed" &
+        train "$network,$loss,$rate,$seed" --config "configs/$network.yaml" --seed "$seed" "data.path=$data" data.crop=32 "steps=$steps" \
+          "loss=$loss" "optimizer.learning_rate=$rate" watch.enabled=false "run.validate_every=$((steps / 2))" \
+          "run.checkpoint_every=$steps" "${change[@]}"
       done
     done
   done
 done
-while [ "$(jobs -p | wc -l)" -gt 0 ]; do wait -n; done
+wait_for_trainings
 "$bin/ld_eval" --data "$data" --split validation --model "any=$(find "$out/runs" -maxdepth 1 -mindepth 1 | sort | head -1)" --threads 1 \
   --out "$out/inputs" --json "$out/inputs.json" > "$out/inputs.log"
 python3 scripts/collapse_table.py "$out" | tee "$out/collapses.md"

@@ -19,9 +19,9 @@ if [ $# -ne 2 ]; then
   echo "usage: scripts/equal_paths.sh DATA OUT" >&2
   exit 2
 fi
-data=$1 out=$2 bin=${BIN:-build/bin} steps=${STEPS:-600} jobs=${JOBS:-1}
+data=$1 out=$2 steps=${STEPS:-600} jobs=${JOBS:-1}
 budgets=${BUDGETS:-1 2 4} references=${REFERENCES:-16 128 4096} losses=${LOSSES:-smape relative_l2}
-export OMP_WAIT_POLICY=passive
+. scripts/studies.sh
 frames() { echo $(($1 * (8 + 4096) / (8 + $2))); } # BUDGET REFERENCE
 
 for reference in $references; do
@@ -43,25 +43,16 @@ END
   done
 done
 
-train() { # REFERENCE BUDGET LOSS
-  local run=$out/runs/$1_$2_$3
-  if [ -e "$run/done" ]; then return; fi
-  mkdir -p "$run"
-  "$bin/ld_train" --config configs/quick.yaml --threads 1 "data.path=$out/paths_$1_$2" "loss=$3" "steps=$steps" --out "$run" > "$run/output" 2>&1 ||
-    { echo "equal_paths.sh: training $run failed; see $run/output" >&2; return 1; }
-  touch "$run/done"
-}
 models=()
 for reference in $references; do
   for budget in $budgets; do
     for loss in $losses; do
-      while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
-      train "$reference" "$budget" "$loss" &
+      train "${reference}_${budget}_$loss" --config configs/quick.yaml "data.path=$out/paths_${reference}_$budget" "loss=$loss" "steps=$steps"
       models+=(--model "${reference}_${budget}_$loss=$out/runs/${reference}_${budget}_$loss")
     done
   done
 done
-while [ "$(jobs -p | wc -l)" -gt 0 ]; do wait -n; done
+wait_for_trainings
 "$bin/ld_eval" --data "$data" --split test "${models[@]}" --threads 1 --out "$out/eval" > "$out/eval.log"
 python3 - "$out" "$budgets" "$references" "$losses" << 'END' | tee "$out/equal_paths.md"
 import json, pathlib, sys

@@ -17,7 +17,8 @@ if [ $# -ne 2 ]; then
   echo "usage: scripts/recipe_study.sh DATA OUT" >&2
   exit 2
 fi
-data=$1 out=$2 bin=${BIN:-build/bin} minutes=${MINUTES:-5} seeds=${SEEDS:-1 2 3} jobs=${JOBS:-1}
+data=$1 out=$2 minutes=${MINUTES:-5} seeds=${SEEDS:-1 2 3} jobs=${JOBS:-1}
+. scripts/studies.sh
 
 # The base is configs/quick.yaml. "without" changes take one of its settings back to the paper's.
 arguments() {
@@ -72,26 +73,15 @@ changes=${CHANGES:-$all}
 # `arguments` prints words that may hold blanks, in brackets: one per "key=".
 split() { sed -E 's/ ([a-z_.]+=)/\n\1/g' <<< "$1"; }
 
-train() {
-  local run=$out/runs/$1_$2 words=()
-  if [ -e "$run/done" ]; then return; fi
-  mkdir -p "$run"
-  local text
-  text=$(arguments "$1")
-  if [ -n "$text" ]; then mapfile -t words < <(split "$text"); fi
-  "$bin/ld_train" --config configs/quick.yaml --threads 1 --seed "$2" "data.path=$data" data.validation_samples=8 "data.samples=[8, 8]" "run.minutes=$minutes" epochs=1000 "${words[@]}" \
-    --out "$run" > "$run/output" 2>&1 || { echo "recipe_study.sh: training $1 with seed $2 failed; see $run/output" >&2; return 1; }
-  touch "$run/done"
-  echo "trained $1, seed $2" >&2
-}
-
 mkdir -p "$out"
-export OMP_WAIT_POLICY=passive
 for seed in $seeds; do
   for change in $changes; do
-    while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
-    train "$change" "$seed" &
+    words=()
+    text=$(arguments "$change")
+    if [ -n "$text" ]; then mapfile -t words < <(split "$text"); fi
+    train "${change}_$seed" --config configs/quick.yaml --seed "$seed" "data.path=$data" data.validation_samples=8 "data.samples=[8, 8]" \
+      "run.minutes=$minutes" epochs=1000 "${words[@]}"
   done
 done
-while [ "$(jobs -p | wc -l)" -gt 0 ]; do wait -n; done
+wait_for_trainings
 python3 scripts/recipe_table.py "$out" | tee "$out/recipes.md"

@@ -16,26 +16,20 @@ if [ $# -ne 2 ]; then
   echo "usage: scripts/sample_counts.sh DATA OUT" >&2
   exit 2
 fi
-data=$1 out=$2 bin=${BIN:-build/bin} steps=${STEPS:-2000} config=${CONFIG:-configs/common_fast.yaml} jobs=${JOBS:-1}
+data=$1 out=$2 steps=${STEPS:-2000} config=${CONFIG:-configs/common_fast.yaml} jobs=${JOBS:-1}
 counts=${SAMPLES:-1 2 4 8 16}
-export OMP_WAIT_POLICY=passive
+. scripts/studies.sh
 
-train() { # NAME LEAST MOST VALIDATION
-  local run=$out/runs/$1
-  if [ -e "$run/done" ]; then return; fi
-  mkdir -p "$run"
-  "$bin/ld_train" --config "$config" --threads 1 "data.path=$data" "data.samples=[$2, $3]" "data.validation_samples=$4" "steps=$steps" \
-    --out "$run" > "$run/output" 2>&1 || { echo "sample_counts.sh: training $1 failed; see $run/output" >&2; return 1; }
-  touch "$run/done"
+train_for() { # NAME LEAST MOST VALIDATION
+  train "$1" --config "$config" "data.path=$data" "data.samples=[$2, $3]" "data.validation_samples=$4" "steps=$steps"
 }
 
 least=${counts%% *} most=${counts##* }
-train any "$least" "$most" 8 &
+train_for any "$least" "$most" 8
 for n in $counts; do
-  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
-  train "only_$n" "$n" "$n" "$n" &
+  train_for "only_$n" "$n" "$n" "$n"
 done
-while [ "$(jobs -p | wc -l)" -gt 0 ]; do wait -n; done
+wait_for_trainings
 for n in $counts; do
   "$bin/ld_eval" --data "$data" --split validation --samples "$n" --model "any=$out/runs/any" --model "only=$out/runs/only_$n" --threads 1 \
     --baseline only --out "$out/$n" > "$out/$n.log"

@@ -16,7 +16,8 @@ if [ $# -ne 2 ]; then
   echo "usage: scripts/tradeoff.sh DATA OUT" >&2
   exit 2
 fi
-data=$1 out=$2 bin=${BIN:-build/bin} steps=${STEPS:-600} jobs=${JOBS:-$(nproc)}
+data=$1 out=$2 steps=${STEPS:-600} jobs=${JOBS:-$(nproc)}
+. scripts/studies.sh
 all="layer layer_weighted layer_3 layer_4 layer_5 optimized pixel_gather pixel_splat sample_splat"
 all="$all layer_l2 pixel_gather_l2 sample_splat_l2"  # those of the paper's Table 5
 variants=${VARIANTS:-$all}
@@ -32,27 +33,15 @@ arguments() {
   case "$1" in *_l2) echo "loss=l2_tonemapped" ;; esac
 }
 
-train() {
-  local run=$out/runs/$1
-  if [ -e "$run/done" ]; then return; fi
-  mkdir -p "$run"
-  # One learning rate for all, with a warm-up: L2 on tone-mapped values collapses without it for some seeds.
-  # shellcheck disable=SC2046
-  "$bin/ld_train" $(arguments "$1") --threads 1 --out "$run" "data.path=$data" "epochs=$(((steps * 4 + frames - 1) / frames))" \
-    optimizer.schedule=cosine optimizer.learning_rate=0.002 optimizer.warmup_steps=50 > "$run/output" 2>&1 ||
-    { echo "tradeoff.sh: training $1 failed; see $run/output" >&2; return 1; }
-  touch "$run/done"
-  echo "trained $1" >&2
-}
-
 frames=$(python3 -c 'import json, sys; print(sum(f["split"] == "train" for f in json.load(open(sys.argv[1]))["frames"]))' "$data/manifest.json")
 mkdir -p "$out"
-export OMP_WAIT_POLICY=passive
 for variant in $variants; do
-  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
-  train "$variant" &
+  # One learning rate for all, with a warm-up: L2 on tone-mapped values collapses without it for some seeds.
+  # shellcheck disable=SC2046
+  train "$variant" $(arguments "$variant") "data.path=$data" "epochs=$(((steps * 4 + frames - 1) / frames))" \
+    optimizer.schedule=cosine optimizer.learning_rate=0.002 optimizer.warmup_steps=50
 done
-while [ "$(jobs -p | wc -l)" -gt 0 ]; do wait -n; done
+wait_for_trainings
 
 models=()
 for variant in $variants; do models+=(--model "$variant=$out/runs/$variant"); done

@@ -157,8 +157,8 @@ Filtered pixel(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& sam
   g.enter("filter");
   const Value radiance = onnx_masked_mean(g, samples.radiance, samples.valid);
   const Value equal = g.where(g.is_zero(samples.drawn), g.number(-kInfinity), g.number(0));
+  if (gather) return {onnx_gather(g, logits, g.squeeze(equal, 1), radiance, kernel, channels), context};
   const Value log_n = weighed(g, config, equal, embedding, context);
-  if (gather) return {onnx_gather(g, logits, g.squeeze(log_n, 1), radiance, kernel, channels), context};
   return {g.squeeze(onnx_splat(g, logits, log_n, g.unsqueeze(radiance, 1), kernel, channels, false), 1),
           context};
 }

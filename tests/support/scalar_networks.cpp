@@ -116,7 +116,7 @@ Grid sample_splat(const Samples& samples, const Parameters& parameters, const Ne
   return divide(total(splat(kernels, scaled(values, factor))), total(splat(kernels, scaled(ones, factor))));
 }
 
-/// The kernel's weights times those of the pixels, `given`.
+/// Of the pixels that are `given`.
 Grid gather(const Grid& logits, const Grid& values, const Grid& given) {
   const auto size = int64_t(std::lround(std::sqrt(double(logits.c))));
   Grid out(values.b, 1, values.c, values.h, values.w);
@@ -125,7 +125,7 @@ Grid gather(const Grid& logits, const Grid& values, const Grid& given) {
     for (int64_t t = 0; t < logits.c; ++t) {
       const int64_t yy = y + t / size - size / 2, xx = x + t % size - size / 2;
       if (yy < 0 || yy >= values.h || xx < 0 || xx >= values.w || given(b, 0, 0, yy, xx) == 0) continue;
-      const double weight = std::exp(logits(b, 0, t, y, x)) * given(b, 0, 0, yy, xx);
+      const double weight = std::exp(logits(b, 0, t, y, x));
       sum += weight;
       for (int64_t c = 0; c < values.c; ++c) out(b, 0, c, y, x) += weight * values(b, 0, c, yy, xx);
     }
@@ -141,9 +141,10 @@ Grid pixel(const Samples& samples, const Parameters& parameters, const NetworkLa
   const Grid kernels =
       bounded(fully_connected(embedding, context, parameters, "kernel_generator.", false), layout);
   const Grid radiance = masked_mean(samples.radiance, samples.valid);
-  const Grid given = scaled(drawn(samples.valid), kept(embedding, context, parameters, layout));
-  return gathers ? gather(kernels, radiance, given)
-                 : divide(splat(kernels, scaled(radiance, given)), splat(kernels, given));
+  const Grid given = drawn(samples.valid);
+  if (gathers) return gather(kernels, radiance, given);
+  const Grid sent = scaled(given, kept(embedding, context, parameters, layout));
+  return divide(splat(kernels, scaled(radiance, sent)), splat(kernels, sent));
 }
 
 /// Sums over blocks of 2^level x 2^level pixels.
