@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "core/error.h"
+#include "core/file_identity.h"
 #include "core/file_io.h"
 #include "core/log.h"
 #include "core/signals.h"
@@ -43,6 +44,12 @@ int Application::run(int argc, char** argv, const std::function<void()>& body) {
     std::cerr << name_ << ": " << error.what() << "\n";
     return 1;
   }
+}
+
+void Application::refuse_overwriting(std::vector<std::filesystem::path> outputs,
+                                     const std::vector<std::filesystem::path>& inputs) const {
+  outputs.emplace_back(json_path_);
+  ld::refuse_overwriting(outputs, inputs);
 }
 
 void Application::write_json(const nlohmann::ordered_json& json) const {

@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace ld {
 
@@ -29,6 +31,11 @@ class Application {
   /// and SIGTERM. Errors are one line on standard error.
   int run(int argc, char** argv, const std::function<void()>& body);
 
+  /// Throws UsageError when one of the outputs, or the file of --json, is one of the inputs
+  /// (core/file_identity.h). Every program that writes calls it before any work.
+  void refuse_overwriting(std::vector<std::filesystem::path> outputs,
+                          const std::vector<std::filesystem::path>& inputs) const;
+
   /// Writes the machine-readable result to --json (nothing without it).
   void write_json(const nlohmann::ordered_json& json) const;
 
@@ -39,5 +46,11 @@ class Application {
   std::optional<uint64_t> seed_;
   std::string json_path_;
 };
+
+/// An option that may be given several times, one value each, so that it never takes a positional argument
+/// for its own.
+inline CLI::Option* repeated(CLI::Option* option) {
+  return option->take_all()->expected(1)->allow_extra_args(false);
+}
 
 }  // namespace ld

@@ -193,6 +193,7 @@ int main(int argc, char** argv) {
   const Commands commands = declare(app.options(), options);
 
   return app.run(argc, argv, [&] {
+    app.refuse_overwriting({}, {options.files.begin(), options.files.end()});
     ld::configure_runtime(app.threads());
     if (options.sizes.quick) make_quick(options);
     nlohmann::ordered_json json;

@@ -21,7 +21,6 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& o) {
-  const auto repeated = [](CLI::Option* option) { option->take_all()->expected(1); };
   app.add_option("--model", o.model, "weights (.safetensors), checkpoint folder or run folder")->required();
   app.add_option("inputs", o.inputs,
                  "frames (EXR with sample parts); #### in a name stands for the number of a frame")
@@ -36,17 +35,19 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--max-memory", o.max_memory, "MB that the process may take, the samples of the input aside")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
   app.add_flag("--float", o.full_float, "full floats in EXR (default: half)");
-  app.add_option("--aovs", o.aovs, "EXR parts for looking: layers, contributions, unfiltered")
+  ld::repeated(
+      app.add_option("--aovs", o.aovs,
+                     "EXR parts for looking: layers, contributions, unfiltered; with commas, or repeated"))
       ->delimiter(',')
       ->check(CLI::IsMember({"layers", "contributions", "unfiltered"}));
-  repeated(app.add_option("--kernel-at", o.kernels_at,
-                          "X,Y: EXR parts with the kernels of that pixel; may be repeated"));
+  ld::repeated(app.add_option("--kernel-at", o.kernels_at,
+                              "X,Y: EXR parts with the kernels of that pixel; may be repeated"));
   app.add_option("--preset", o.preset,
                  fmt::format("the inputs are samples of one frame, rendered by {}",
                              fmt::join(ld::preset_names(), ", ")));
   app.add_option("--mapping", o.mapping, "YAML file instead of a preset, see docs/import.md");
-  repeated(app.add_option("--set", o.assignments,
-                          "key.sub=value, on top of the preset or mapping; may be repeated"));
+  ld::repeated(app.add_option("--set", o.assignments,
+                              "key.sub=value, on top of the preset or mapping; may be repeated"));
   app.add_option("--camera", o.camera, "YAML file of the camera, see docs/import.md");
   app.add_flag("--allow-identical", o.allow_identical, "let samples pass that are the same in every pixel");
 }
@@ -100,6 +101,12 @@ int main(int argc, char** argv) {
   declare(app.options(), options);
   return app.run(argc, argv, [&] {
     const ld::DenoiseJob job = job_of(options);
+    std::vector<std::filesystem::path> outputs, inputs = {options.model, options.mapping, options.camera};
+    for (const ld::DenoiseTask& task : job.tasks) {
+      outputs.push_back(task.output);
+      inputs.insert(inputs.end(), task.inputs.begin(), task.inputs.end());
+    }
+    app.refuse_overwriting(outputs, inputs);
     ld::configure_runtime(app.threads());
     const ld::DenoiseReport report = ld::run_denoise_job(job);
     app.write_json(report.frames);

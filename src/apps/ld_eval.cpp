@@ -65,6 +65,10 @@ int main(int argc, char** argv) {
   return app.run(argc, argv, [&] {
     const auto arguments = ld::parse_model_arguments(options.models);
     const auto folders = ld::parse_named_arguments("--images", "oidn=out/oidn", options.images);
+    std::vector<std::filesystem::path> inputs = {options.data};
+    for (const auto& argument : arguments) inputs.emplace_back(argument.file);
+    for (const auto& folder : folders) inputs.emplace_back(folder.file);
+    app.refuse_overwriting({options.out}, inputs);
     ld::configure_runtime(app.threads());
     std::vector<std::string> features = {"radiance"};
     const std::vector<ld::LoadedModel> models = ld::load_models(arguments, features);

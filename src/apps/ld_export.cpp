@@ -8,6 +8,7 @@
 #include "export/onnx_export.h"
 #include "export/safetensors_export.h"
 #include "ops/runtime.h"
+#include "weights/weight_file.h"
 
 namespace {
 
@@ -57,6 +58,10 @@ int main(int argc, char** argv) {
 
   return app.run(argc, argv, [&] {
     if (model.empty() == untrained.empty()) ld::fail_usage("give --model or --untrained");
+    std::vector<std::filesystem::path> inputs_read = frames;
+    inputs_read.insert(inputs_read.end(), {model, untrained});
+    if (!model.empty()) inputs_read.push_back(ld::resolve_model(model));
+    app.refuse_overwriting({out, check_data, card}, inputs_read);
     ld::configure_runtime(app.threads());
     if (dtype.empty()) dtype = format == "onnx" ? "f32" : "f16";
     const ld::DType type = dtype == "f16" ? ld::DType::f16 : ld::DType::f32;

@@ -32,9 +32,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--preset", o.preset,
                  fmt::format("who rendered them: {}", fmt::join(ld::preset_names(), ", ")));
   app.add_option("--mapping", o.mapping, "YAML file instead of a preset, see docs/import.md");
-  app.add_option("--set", o.assignments, "key.sub=value, on top of the preset or mapping; may be repeated")
-      ->take_all()
-      ->expected(1);
+  ld::repeated(app.add_option("--set", o.assignments,
+                              "key.sub=value, on top of the preset or mapping; may be repeated"));
   app.add_flag("--print-mapping", o.print_mapping,
                "print the preset's YAML, to start one's own from, and stop");
   app.add_option("--camera", o.camera, "YAML file of the camera, see docs/import.md");
@@ -83,6 +82,23 @@ void check(const Options& o) {
     ld::fail_usage("--frame takes no --reference; a pair belongs into a data set: --out and --name");
 }
 
+std::vector<std::filesystem::path> outputs_of(const Options& o) {
+  std::vector<std::filesystem::path> outputs = {o.frame, o.to_hdf5};
+  if (!o.to_hdf5.empty()) outputs.emplace_back(o.reference);
+  if (!o.place.folder.empty() && !o.place.name.empty() && !is_hdf5(o)) {
+    outputs.push_back(ld::frame_path(o.place.folder, o.place.name));
+    outputs.push_back(ld::reference_path(o.place.folder, o.place.name));
+  }
+  return outputs;
+}
+
+std::vector<std::filesystem::path> inputs_of(const Options& o) {
+  std::vector<std::filesystem::path> inputs = {o.mapping, o.camera, o.from_hdf5};
+  if (o.to_hdf5.empty()) inputs.emplace_back(o.reference);
+  inputs.insert(inputs.end(), o.files.begin(), o.files.end());
+  return inputs;
+}
+
 ld::Hdf5Report exchange_hdf5(const Options& o) {
   if (!o.to_hdf5.empty()) return ld::data_set_to_hdf5(o.place.folder, o.place.split, o.to_hdf5, o.reference);
   return ld::data_set_from_hdf5(o.from_hdf5, o.reference, o.place.folder, o.place.name, o.place.split,
@@ -111,6 +127,7 @@ int main(int argc, char** argv) {
   declare(app.options(), options);
   return app.run(argc, argv, [&] {
     check(options);
+    app.refuse_overwriting(outputs_of(options), inputs_of(options));
     if (is_hdf5(options)) {
       const ld::Hdf5Report done = exchange_hdf5(options);
       spdlog::info("{} frames; left out {}; {} samples masked for NaN or infinity", done.frames,

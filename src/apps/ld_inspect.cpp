@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
                   "of a data set, examine the samples of so many frames only, spread over it (default: all)")
       ->check(CLI::PositiveNumber);
   return app.run(argc, argv, [&] {
+    app.refuse_overwriting({}, {path});
     options.threads = app.threads();
     const ld::Report report = ld::inspect(path, options);
     std::cout << ld::report_text(report) << std::flush;

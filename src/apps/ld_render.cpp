@@ -64,6 +64,7 @@ int main(int argc, char** argv) {
   return app.run(argc, argv, [&] {
     if (recipe_path.empty() == scene.empty())
       ld::fail_usage("expected --recipe FILE or --scene FILE, one of them");
+    app.refuse_overwriting({preview}, {recipe_path, scene, probe});
     if (scene.empty() && (views != 0 || !probe.empty()))
       ld::fail_usage("--views and --probe go with --scene; a recipe has frames and scene_file.probe");
     const ld::Recipe recipe = scene.empty() ? ld::read_recipe(recipe_path, overrides, app.seed())

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   for (int i = 0; i < argc; ++i) command += (i > 0 ? " " : "") + ld::shell_word(argv[i]);
 
   return app.run(argc, argv, [&] {
+    app.refuse_overwriting({}, {config_path});
     ld::ConfigNode tree = ld::read_config(config_path);
     for (const std::string& assignment : overrides) ld::apply_override(tree, assignment);
     auto config = ld::config_from_tree<ld::TrainConfig>(tree);

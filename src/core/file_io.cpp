@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,6 +10,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "core/checksum.h"
 #include "core/error.h"
 
 namespace ld {
@@ -49,13 +51,17 @@ std::string read_file(const fs::path& path, uint64_t limit) {
   return bytes;
 }
 
+void fail_to_write(const fs::path& path, const std::string& reason) {
+  fail("cannot write {}: {}", path.string(), reason);
+}
+
 void flush_to_disk(const fs::path& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) fail("cannot open {} to flush it: {}", path.string(), std::strerror(errno));
   const bool flushed = fsync(descriptor) == 0;
   const int reason = errno;
   close(descriptor);
-  if (!flushed) fail("cannot flush {}: {}; is the disk full?", path.string(), std::strerror(reason));
+  if (!flushed) fail("cannot flush {}: {}", path.string(), std::strerror(reason));
 }
 
 void make_folder(const fs::path& path) {
@@ -69,9 +75,18 @@ void make_folder(const fs::path& path) {
 void write_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   make_folder(folder);
-  // The extension stays last, because image libraries choose the format by it.
-  const TemporaryFile temporary(
-      folder / fmt::format(".{}.{}.partial{}", path.stem().string(), getpid(), path.extension().string()));
+  // The extension stays last, because image libraries choose the format by it. The name is short, because the
+  // file's own may be as long as the system allows.
+  const std::string name = path.filename().string();
+  const TemporaryFile temporary(folder / fmt::format(".{:016x}.{}.partial{}",
+                                                     checksum(name.data(), name.size()), getpid(),
+                                                     path.extension().string()));
+  // Whatever writes the file may not know why it cannot: the system does.
+  struct stat there {};
+  if (lstat(path.c_str(), &there) != 0 && errno != ENOENT) fail_to_write(path, std::strerror(errno));
+  const int descriptor = open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) fail_to_write(path, std::strerror(errno));
+  close(descriptor);
   write(temporary.path());
   flush_to_disk(temporary.path());
   std::error_code error;
@@ -85,7 +100,7 @@ void write_file_atomically(const fs::path& path, const std::string& bytes) {
     std::ofstream file(temporary, std::ios::binary);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();
-    if (!file) fail("cannot write {}: {}; is the disk full?", path.string(), std::strerror(errno));
+    if (!file) fail_to_write(path, std::strerror(errno));
   });
 }
 

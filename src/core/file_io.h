@@ -15,10 +15,13 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit = uint64
 
 /// Calls write(temporary path in the same folder), flushes that file to disk and renames it to `path`. When
 /// `write` throws, the temporary file is removed and an existing `path` stays as it was. Makes missing parent
-/// folders.
+/// folders. Throws Error with the system's reason where no file can be made there.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path&)>& write);
 void write_file_atomically(const std::filesystem::path& path, const std::string& bytes);
+
+/// Throws Error: `path` cannot be written, for the reason that a library or the system (strerror) gives.
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, const std::string& reason);
 
 /// Flushes a file's or a folder's data to the disk. Throws Error when that fails.
 void flush_to_disk(const std::filesystem::path& path);

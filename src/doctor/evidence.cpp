@@ -28,7 +28,8 @@ std::map<std::string, int64_t> count_not_finite(const fs::path& path, const Fram
       bool there = true;
       for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c) {
         there = there && exr.has_channel(part, feature.exr_channels[c]);
-        planes.push_back({feature.exr_channels[c], values.data() + c * frame.plane_size()});
+        planes.push_back(
+            {feature.exr_channels[c], values.data() + c * frame.plane_size(), frame.plane_size()});
       }
       if (!there) continue;
       exr.read(part, planes);
@@ -46,7 +47,8 @@ Evidence read_files(const fs::path& frame_file, const fs::path& reference_file, 
   Evidence evidence;
   evidence.path = frame_file;
   evidence.frame = read_frame(frame_file, {}, evidence.faults);
-  if (evidence.faults.not_finite > 0) evidence.not_finite = count_not_finite(frame_file, evidence.frame);
+  if (evidence.faults.not_finite + evidence.faults.guides > 0)
+    evidence.not_finite = count_not_finite(frame_file, evidence.frame);
   if (reference_needed || fs::exists(reference_file)) {
     evidence.reference = read_image(reference_file, &evidence.bad_reference_values);
     evidence.reference_checksum = file_checksum(reference_file);

@@ -93,7 +93,7 @@ void conclude_features(const All& frames, Diagnosis& diagnosis) {
                  feature == "radiance"
                      ? "they are masked out, which is right for samples that were never drawn (adaptive "
                        "sampling) and a bug of the renderer otherwise"
-                     : fmt::format("they are masked out although their radiance may be good; write {}",
+                     : fmt::format("they count as those of rays that escaped; write {}",
                                    feature == "depth" ? "65504 where the ray escaped" : "0 instead"));
   }
 }

@@ -42,7 +42,7 @@ void ExrReader::check_pixels() const {
     std::vector<ExrTypedPlane> planes;
     for (auto it = channels.begin(); it != channels.end(); ++it)
       if (it.channel().type != Imf::UINT && it.channel().xSampling == 1 && it.channel().ySampling == 1)
-        planes.push_back({it.name(), Imf::FLOAT, reinterpret_cast<char*>(row.data())});
+        planes.push_back({it.name(), Imf::FLOAT, reinterpret_cast<char*>(row.data()), row.size()});
     if (!planes.empty()) read_rows(part, planes, Rows::same);
   }
 }
@@ -92,7 +92,7 @@ void ExrReader::require_channel(int part, const std::string& channel, const std:
 void ExrReader::read(int part, const std::vector<ExrPlane>& planes) const {
   std::vector<ExrTypedPlane> typed;
   for (const ExrPlane& plane : planes)
-    typed.push_back({plane.channel, Imf::FLOAT, reinterpret_cast<char*>(plane.pixels)});
+    typed.push_back({plane.channel, Imf::FLOAT, reinterpret_cast<char*>(plane.pixels), plane.count});
   read_rows(part, typed, Rows::follow);
 }
 
@@ -102,6 +102,14 @@ void ExrReader::read_typed(int part, const std::vector<ExrTypedPlane>& planes) c
 
 void ExrReader::read_rows(int part, const std::vector<ExrTypedPlane>& planes, Rows rows) const {
   const Imath::Box2i& window = header(part).dataWindow();
+  const size_t needed =
+      static_cast<size_t>(width(part)) * (rows == Rows::same ? 1 : static_cast<size_t>(height(part)));
+  for (const ExrTypedPlane& plane : planes)
+    if (plane.count != needed)
+      fail(
+          "{}: channel '{}' has {} x {} pixels, but there is room for {}; expected the same data window in "
+          "all parts",
+          where(part), plane.channel, width(part), height(part), plane.count);
   try {
     Imf::FrameBuffer buffer;
     for (const ExrTypedPlane& plane : planes) {

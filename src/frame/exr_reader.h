@@ -14,10 +14,11 @@
 
 namespace ld {
 
-/// A channel and where its data window's pixels go, row by row.
+/// A channel and where its data window's pixels go, row by row; `count` is how many there is room for.
 struct ExrPlane {
   std::string channel;
   float* pixels;
+  size_t count;
 };
 
 /// A channel in the type that the pixels are wanted in.
@@ -25,6 +26,7 @@ struct ExrTypedPlane {
   std::string channel;
   Imf::PixelType type;
   char* pixels;
+  size_t count;
 };
 
 /// Every complaint, OpenEXR's included, is an Error that names the file and, where it has one, the part.
@@ -45,7 +47,8 @@ class ExrReader {
   /// Throws Error when a channel is missing, of integers, or subsampled.
   void require_channel(int part, const std::string& channel, const std::string& advice) const;
 
-  /// Reads channels that require_channel() let pass.
+  /// Reads channels that require_channel() let pass. Throws Error where there is room for another number of
+  /// pixels than the part's data window has.
   void read(int part, const std::vector<ExrPlane>& planes) const;
 
   /// Reads channels that are not subsampled, of any type; integers as integers only.

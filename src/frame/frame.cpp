@@ -24,6 +24,24 @@ bool is_clean(const Frame& frame, int s) {
   return std::all_of(valid, valid + pixels, [](uint8_t v) { return v != 0; });
 }
 
+/// Sets the guides of a sample that are not finite to what a ray that escaped has; channel c is at sample[c *
+/// pitch]. Returns how many there were.
+int64_t mend_guides(float* sample, size_t pitch) {
+  int64_t mended = 0;
+  for (const Feature& feature : feature_schema()) {
+    if (feature.offset == kRadianceOffset) continue;
+    float* const guide = sample + static_cast<size_t>(feature.offset) * pitch;
+    bool finite = true;
+    for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
+      finite &= std::isfinite(guide[c * pitch]);
+    if (finite) continue;
+    ++mended;
+    for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
+      guide[c * pitch] = feature.offset == kDepthOffset ? kEscapedDepth : 0.0F;
+  }
+  return mended;
+}
+
 }  // namespace
 
 Faults sanitise(Frame& frame) {
@@ -36,11 +54,12 @@ Faults sanitise(Frame& frame) {
     for (size_t p = 0; p < pixels; ++p) {
       float* sample = frame.plane(s, 0) + p;
       bool finite = alpha == nullptr || std::isfinite(alpha[p]);
-      for (size_t c = 0; c < kSampleChannels; ++c) finite = finite && std::isfinite(sample[c * pixels]);
+      for (size_t c = 0; c < 3; ++c) finite = finite && std::isfinite(sample[c * pixels]);
       if (valid[p] != 0 && !finite) {
         ++faults.not_finite;
         valid[p] = 0;
       }
+      if (valid[p] != 0) faults.guides += mend_guides(sample, pixels);
       for (size_t c = 0; c < kSampleChannels; ++c) {
         float& value = sample[c * pixels];
         if (valid[p] == 0) {

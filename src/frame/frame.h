@@ -32,9 +32,10 @@ using ReferenceFloor = std::map<std::string, double>;
 /// What was wrong with the samples of a frame, and what was done about it.
 struct Faults {
   int64_t negative = 0;    // radiance channels below 0, set to 0
-  int64_t not_finite = 0;  // samples with a NaN or infinite channel, masked out as if not drawn
-  int64_t clamped = 0;     // radiance channels beyond half's range, set to 65504 when a file was written
-  bool any() const { return negative + not_finite + clamped > 0; }
+  int64_t not_finite = 0;  // samples with NaN or infinite radiance or alpha, masked out as if not drawn
+  int64_t guides = 0;  // guides of other samples that are NaN or infinite, set to what a ray that escaped has
+  int64_t clamped = 0;  // radiance channels beyond half's range, set to 65504 when a file was written
+  bool any() const { return negative + not_finite + guides + clamped > 0; }
 };
 
 /// Where a picture lies in a larger one that it was cut from or overscans: OpenEXR's data and display window,
@@ -95,9 +96,10 @@ struct Frame {
   }
 };
 
-/// Masks samples that hold a NaN or an infinity, sets negative radiance to 0, clamps guides to half's range,
-/// alpha to [0, 1] and sets the channels of masked samples to 0. Every frame passes through here once, on its
-/// way in.
+/// Masks samples whose radiance or alpha holds a NaN or an infinity. A guide that holds one is set to what a
+/// ray that escaped has (depth kEscapedDepth, all others 0): it costs the guide, not the light. Sets negative
+/// radiance to 0, clamps guides to half's range, alpha to [0, 1] and sets the channels of masked samples to
+/// 0. Every frame passes through here once, on its way in.
 Faults sanitise(Frame& frame);
 
 /// Mean radiance of the valid samples, [3, H, W], accumulated in double; 0 where a pixel has none.

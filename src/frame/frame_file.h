@@ -18,6 +18,9 @@ struct FrameHeader {
   FrameInfo info;
 };
 
+/// The number in a part's name "s000", "s001", ..., "s1000"; -1 for any other name.
+int sample_number(const std::string& part_name);
+
 /// Throws Error: missing file, not an EXR, truncated, absurd size, unequal parts, newer schema version.
 FrameHeader read_frame_header(const std::filesystem::path& path);
 
@@ -40,9 +43,14 @@ void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& 
 /// unknown feature.
 int64_t write_frame(const std::filesystem::path& path, const Frame& frame);
 
+enum class PictureFormat { exr, png };
+
+/// By the extension, in capitals or not. Throws UsageError for another one: to be called before any work.
+PictureFormat picture_format(const std::filesystem::path& path);
+
 /// An image of 1 (Y), 3 (R, G, B) or, in ".exr", 4 channels (and A): ".exr" holds linear half floats, ".png"
-/// 8 bits of the tone map (eq. 7 of [MH20]) and neither windows nor floor; atomic. Throws Error for another
-/// extension.
+/// 8 bits of the tone map (eq. 7 of [MH20]) and neither windows nor floor; atomic. Throws UsageError for
+/// another extension.
 void write_image(const std::filesystem::path& path, const Image& image, const Windows& windows = {},
                  const ReferenceFloor& floor = {});
 

@@ -12,13 +12,6 @@
 namespace ld {
 namespace {
 
-/// The number in "s000", "s001", ..., "s1000"; -1 for any other name.
-int sample_number(const std::string& name) {
-  if (name.size() < 4 || name.size() > 5 || name[0] != 's') return -1;
-  if (!std::all_of(name.begin() + 1, name.end(), [](char c) { return c >= '0' && c <= '9'; })) return -1;
-  return std::stoi(name.substr(1));
-}
-
 /// The parts that hold samples, in their order: [sample] -> part. Empty for a file with means only.
 std::vector<int> sample_parts(const ExrReader& exr) {
   std::map<int, int> found;
@@ -103,6 +96,13 @@ void require_features(const ExrReader& exr, const std::vector<int>& parts,
 
 }  // namespace
 
+int sample_number(const std::string& part_name) {
+  if (part_name.size() < 4 || part_name.size() > 5 || part_name[0] != 's') return -1;
+  if (!std::all_of(part_name.begin() + 1, part_name.end(), [](char c) { return c >= '0' && c <= '9'; }))
+    return -1;
+  return std::stoi(part_name.substr(1));
+}
+
 void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& file) {
   require_samples(file.string(), frame.spp, samples);
   if (samples == 0) return;
@@ -145,12 +145,13 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
       for (int c = 0; c < feature.channels; ++c) {
         const char* channel = feature.exr_channels[static_cast<size_t>(c)];
         exr.require_channel(part, channel, "");
-        planes.push_back({channel, frame.plane(s, feature.offset + c)});
+        planes.push_back({channel, frame.plane(s, feature.offset + c), frame.plane_size()});
       }
     }
     if (header.alpha) {
       exr.require_channel(part, "A", "");
-      planes.push_back({"A", frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size()});
+      planes.push_back(
+          {"A", frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(), frame.plane_size()});
     }
     exr.read(part, planes);
   }

@@ -15,12 +15,12 @@
 #include "frame/exr_check.h"
 #include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
+#include "frame/half_range.h"
 
 namespace ld {
 namespace {
 
 constexpr int kTileSide = 64;
-constexpr float kHalfMax = 65504.0F;
 
 half to_half(float value) {
   // NaN and infinities stay, so that the sample is masked on reading.
@@ -45,34 +45,31 @@ void check_frame(const std::filesystem::path& path, const Frame& frame) {
   if (!frame.holds("radiance")) fail("cannot write {}: the frame holds no radiance", path.string());
 }
 
-/// How many radiance channels of valid samples lie beyond half's range, and whether any is one that a reader
-/// mends.
-int64_t count_beyond_half(const Frame& frame, bool& mended) {
-  int64_t beyond = 0;
+/// What the samples hold that the file cannot, or that a reader mends.
+struct Unusual {
+  bool beyond_half = false, mended = false;
+};
+
+Unusual unusual_samples(const Frame& frame) {
+  Unusual found;
   for (int s = 0; s < frame.spp; ++s) {
     const uint8_t* valid = frame.valid_plane(s);
     for (int c = 0; c < kSampleChannels; ++c) {
       const float* plane = frame.plane(s, c);
       for (size_t p = 0; p < frame.plane_size(); ++p) {
         if (valid[p] == 0) continue;
-        if (!std::isfinite(plane[p]) || (c < 3 && plane[p] < 0)) mended = true;
-        if (c < 3 && std::isfinite(plane[p]) && plane[p] > kHalfMax) ++beyond;
+        if (!std::isfinite(plane[p]) || (c < 3 && plane[p] < 0)) found.mended = true;
+        if (c < 3 && plane[p] > kHalfMax) found.beyond_half = true;
       }
     }
   }
-  return beyond;
+  return found;
 }
 
 /// The mean that a reader of the file would find, up to half's precision.
 Image stored_mean(const Frame& frame, bool mended) {
   if (!mended) return mean_radiance(frame);
   Frame copy = frame;
-  for (int s = 0; s < copy.spp; ++s)
-    for (int c = 0; c < 3; ++c)
-      for (size_t p = 0; p < copy.plane_size(); ++p) {
-        float& value = copy.plane(s, c)[p];
-        if (std::isfinite(value)) value = std::min(value, kHalfMax);
-      }
   sanitise(copy);
   return mean_radiance(copy);
 }
@@ -132,13 +129,9 @@ std::vector<half> sample_planes(const Frame& frame, int sample, const std::vecto
   return planes;
 }
 
-}  // namespace
-
-int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
-  check_frame(path, frame);
-  bool mended = false;
-  const int64_t clamped = count_beyond_half(frame, mended);
-  Image mean = stored_mean(frame, mended || clamped > 0);
+/// A frame whose radiance fits half floats; `clamped` of its channels did not before.
+int64_t write_fitting(const std::filesystem::path& path, const Frame& frame, bool mended, int64_t clamped) {
+  Image mean = stored_mean(frame, mended);
   if (!frame.alpha.empty()) {
     const Image alpha = mean_alpha(frame);
     mean.pixels.insert(mean.pixels.end(), alpha.pixels.begin(), alpha.pixels.end());
@@ -165,10 +158,24 @@ int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
       write_part(file, 0, mean_channels, mean_planes);
       for (int s = 0; s < frame.spp; ++s) write_part(file, s + 1, names, sample_planes(frame, s, channels));
     } catch (const std::exception& error) {
-      fail("cannot write {}: {}; is the disk full?", path.string(), error.what());
+      fail_to_write(path, error.what());
     }
   });
   return clamped;
+}
+
+}  // namespace
+
+int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
+  check_frame(path, frame);
+  const Unusual unusual = unusual_samples(frame);
+  if (!unusual.beyond_half) return write_fitting(path, frame, unusual.mended, 0);
+  Frame fitted = frame;
+  int64_t clamped = 0;
+  for (int s = 0; s < frame.spp; ++s)
+    clamped +=
+        fit_colours_in_half(fitted.plane(s, 0), fitted.plane(s, 1), fitted.plane(s, 2), frame.plane_size());
+  return write_fitting(path, fitted, unusual.mended, clamped);
 }
 
 }  // namespace ld

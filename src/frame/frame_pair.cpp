@@ -25,9 +25,14 @@ FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFra
 }
 
 void warn_about_faults(const std::filesystem::path& path, const Faults& faults) {
-  if (faults.any())
+  if (faults.not_finite + faults.negative > 0)
     spdlog::warn("{}: {} samples with NaN or infinity masked out, {} negative radiance values set to 0",
                  path.string(), faults.not_finite, faults.negative);
+  if (faults.guides > 0)
+    spdlog::warn(
+        "{}: {} guides of samples that are NaN or infinite count as those of rays that escaped; the light is "
+        "kept",
+        path.string(), faults.guides);
 }
 
 void warn_about_faults(const std::filesystem::path& folder, const ManifestFrame& entry,

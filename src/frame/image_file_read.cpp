@@ -12,7 +12,7 @@ Image read_rgb(const ExrReader& exr) {
   for (int c = 0; c < 3; ++c) {
     const std::string channel(1, "RGB"[c]);
     exr.require_channel(0, channel, "expected R, G and B in the first part; write the picture there");
-    planes.push_back({channel, image.plane(c)});
+    planes.push_back({channel, image.plane(c), image.plane_size()});
   }
   exr.read(0, planes);
   return image;

@@ -19,6 +19,7 @@
 #include "frame/exr_check.h"
 #include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
+#include "frame/half_range.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -30,9 +31,12 @@ void write_exr(const fs::path& temporary, const fs::path& path, const Image& ima
   std::vector<std::string> channels = {"Y"};
   if (image.channels > 1) channels = {"R", "G", "B"};
   if (image.channels == 4) channels.emplace_back("A");
+  Image fitted = image;
+  if (image.channels > 1)
+    fit_colours_in_half(fitted.plane(0), fitted.plane(1), fitted.plane(2), fitted.plane_size());
   std::vector<half> pixels(image.pixels.size());
-  std::transform(image.pixels.begin(), image.pixels.end(), pixels.begin(),
-                 [](float value) { return half(std::clamp(value, -65504.0F, 65504.0F)); });
+  std::transform(fitted.pixels.begin(), fitted.pixels.end(), pixels.begin(),
+                 [](float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)); });
   Imf::Header header = header_with(image.width, image.height, windows);
   header.compression() = Imf::ZIP_COMPRESSION;
   write_floor(header, floor);
@@ -47,7 +51,7 @@ void write_exr(const fs::path& temporary, const fs::path& path, const Image& ima
     file.setFrameBuffer(buffer);
     file.writePixels(image.height);
   } catch (const std::exception& error) {
-    fail("cannot write {}: {}; is the disk full?", path.string(), error.what());
+    fail_to_write(path, error.what());
   }
 }
 
@@ -86,18 +90,25 @@ std::string png_bytes(const fs::path& path, const Image& image) {
   return {memory.buffer().begin(), memory.buffer().end()};
 }
 
+PictureFormat picture_format(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& letter : extension)
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  if (extension == ".exr") return PictureFormat::exr;
+  if (extension == ".png") return PictureFormat::png;
+  fail_usage("cannot write {}: unknown extension '{}'; expected .exr (linear) or .png (tone-mapped)",
+             path.string(), path.extension().string());
+}
+
 void write_image(const fs::path& path, const Image& image, const Windows& windows,
                  const ReferenceFloor& floor) {
-  const std::string extension = path.extension().string();
-  if (extension != ".exr" && extension != ".png")
-    fail("cannot write {}: unknown extension '{}'; expected .exr (linear) or .png (tone-mapped)",
-         path.string(), extension);
-  if (extension == ".exr") check_image(path, image, 4);
-  if (extension == ".png")
+  if (picture_format(path) == PictureFormat::png) {
     write_file_atomically(path, png_bytes(path, image));
-  else
-    write_atomically(path,
-                     [&](const fs::path& temporary) { write_exr(temporary, path, image, windows, floor); });
+    return;
+  }
+  check_image(path, image, 4);
+  write_atomically(path,
+                   [&](const fs::path& temporary) { write_exr(temporary, path, image, windows, floor); });
 }
 
 }  // namespace ld

@@ -18,13 +18,6 @@ namespace {
 
 using Planes = std::vector<std::vector<float>>;
 
-Planes read_channels(const ExrReader& exr, const SourceFeature& source, size_t pixels) {
-  Planes planes(source.channels.size(), std::vector<float>(pixels));
-  for (size_t c = 0; c < planes.size(); ++c)
-    exr.read(source.channels[c].part, {{source.channels[c].name, planes[c].data()}});
-  return planes;
-}
-
 /// Size and windows of a sample; all its channels must agree.
 struct Extent {
   int width = 0, height = 0;
@@ -32,6 +25,7 @@ struct Extent {
   bool operator==(const Extent& other) const {
     return width == other.width && height == other.height && windows == other.windows;
   }
+  size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
   std::string text() const {
     return fmt::format("{} x {} pixels at ({}, {})", width, height, windows.x, windows.y);
   }
@@ -41,6 +35,33 @@ Extent extent_of(const ExrReader& exr, int part) {
   return {exr.width(part), exr.height(part), windows_of(exr.header(part))};
 }
 
+/// A channel's pixels where the sample has its own: 0 where the channel's part has none.
+std::vector<float> read_placed(const ExrReader& exr, const SourceChannel& channel, const Extent& extent) {
+  const Extent found = extent_of(exr, channel.part);
+  std::vector<float> own(found.pixels());
+  exr.read(channel.part, {{channel.name, own.data(), own.size()}});
+  if (found == extent) return own;
+  std::vector<float> placed(extent.pixels());
+  // Windows may lie anywhere: their distance need not fit an int.
+  const int64_t right = int64_t{found.windows.x} - extent.windows.x,
+                down = int64_t{found.windows.y} - extent.windows.y;
+  const int64_t first = std::max<int64_t>(0, right),
+                last = std::min<int64_t>(extent.width, right + found.width);
+  const int64_t bottom = std::min<int64_t>(extent.height, down + found.height);
+  for (int64_t y = std::max<int64_t>(0, down); y < bottom && first < last; ++y)
+    std::copy_n(own.begin() + (y - down) * found.width + (first - right), last - first,
+                placed.begin() + y * extent.width + first);
+  return placed;
+}
+
+Planes read_channels(const ExrReader& exr, const SourceFeature& source, const Extent& extent) {
+  Planes planes;
+  for (const SourceChannel& channel : source.channels) planes.push_back(read_placed(exr, channel, extent));
+  return planes;
+}
+
+/// Alpha alone may have a data window of its own, as mattes do that are cut to what they cover: it is 0
+/// outside.
 void require_extent(const ExrReader& exr, const SourceSample& sample, const Extent& expected,
                     const std::string& expected_in) {
   for (const SourceFeature& feature : sample.features)
@@ -143,14 +164,13 @@ class FrameBuilder {
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
     converter_.emplace(extent_.width, extent_.height, extent_.windows, camera_);
-    const size_t pixels = static_cast<size_t>(extent_.width) * static_cast<size_t>(extent_.height);
     shared_.resize(features_.size());
     for (size_t i = 0; i < features_.size(); ++i) {
       const SourceFeature& feature = sample.features[i];
       first_mapping_.push_back(feature.mapping);
       if (feature.mapping->per_sample) continue;
       require_extent(exr, {{feature}, {}}, extent_, first_file_);
-      shared_[i] = converter_->convert(*feature.mapping, read_channels(exr, feature, pixels));
+      shared_[i] = converter_->convert(*feature.mapping, read_channels(exr, feature, extent_));
       result_.repeated.push_back(feature.mapping->feature);
     }
   }
@@ -170,7 +190,7 @@ class FrameBuilder {
     for (size_t i = 0; i < sample.features.size(); ++i) {
       const SourceFeature& source = sample.features[i];
       const Planes planes = shared_[i].empty()
-                                ? converter_->convert(*source.mapping, read_channels(exr, source, pixels))
+                                ? converter_->convert(*source.mapping, read_channels(exr, source, extent_))
                                 : shared_[i];
       const Feature& feature = find_feature(source.mapping->feature);
       for (size_t c = 0; c < planes.size(); ++c)
@@ -178,7 +198,7 @@ class FrameBuilder {
                   frame.plane(next_, feature.offset + static_cast<int>(c)));
     }
     if (sample.alpha.mapping != nullptr) {
-      const Planes alpha = converter_->convert(mapping_.alpha, read_channels(exr, sample.alpha, pixels));
+      const Planes alpha = converter_->convert(mapping_.alpha, read_channels(exr, sample.alpha, extent_));
       std::copy(alpha[0].begin(), alpha[0].end(),
                 frame.alpha.begin() + static_cast<std::ptrdiff_t>(next_ * pixels));
     }
@@ -250,12 +270,11 @@ ImportedPicture import_picture(const std::filesystem::path& file, const ImportMa
   result.windows = extent.windows;
   const bool alpha = picture.alpha.mapping != nullptr;
   result.image = Image(extent.width, extent.height, alpha ? 4 : 3);
-  const size_t pixels = result.image.plane_size();
   int channel = 0;
   for (const SourceFeature* source : {&picture.features[0], &picture.alpha}) {
     if (source->mapping == nullptr) continue;
     for (const std::vector<float>& plane :
-         converter.convert(*source->mapping, read_channels(exr, *source, pixels)))
+         converter.convert(*source->mapping, read_channels(exr, *source, extent)))
       std::copy(plane.begin(), plane.end(), result.image.plane(channel++));
   }
   return result;

@@ -1,6 +1,8 @@
 #include "import/hdf5_file.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 
 #include "core/error.h"
 #include "frame/exr_check.h"
@@ -95,7 +97,7 @@ void Hdf5Data::write_frame(hsize_t frame, const std::vector<float>& values) cons
   if (count != frame_values()) fail("{}: {} numbers for a frame; expected {}", where, count, frame_values());
   const Hdf5Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose), space = select_frame(*this, frame);
   if (H5Dwrite(handle.get(), H5T_NATIVE_FLOAT, memory.get(), space.get(), H5P_DEFAULT, values.data()) < 0)
-    fail("cannot write {}; is the disk full?", where);
+    fail("cannot write {}: {}", where, std::strerror(errno));
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
@@ -114,12 +116,12 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   result.path_ = path.string();
   result.file_ =
       Hdf5Handle(H5Fcreate(result.path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-  if (!result.file_.ok()) fail("cannot make {}; does the folder exist, is the disk full?", result.path_);
+  if (!result.file_.ok()) fail("cannot make {}: {}", result.path_, std::strerror(errno));
   return result;
 }
 
 void Hdf5File::flush() const {
-  if (H5Fflush(file_.get(), H5F_SCOPE_LOCAL) < 0) fail("cannot write {}; is the disk full?", path_);
+  if (H5Fflush(file_.get(), H5F_SCOPE_LOCAL) < 0) fail("cannot write {}: {}", path_, std::strerror(errno));
 }
 
 bool Hdf5File::has(const std::string& name) const {
@@ -163,7 +165,7 @@ Hdf5Data Hdf5File::make(const std::string& name, const std::vector<hsize_t>& dim
   data.handle = Hdf5Handle(H5Dcreate2(file_.get(), name.c_str(), full ? H5T_IEEE_F32LE : half.get(),
                                       space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
                            H5Dclose);
-  if (!data.handle.ok()) fail("cannot make {}; is the disk full?", data.where);
+  if (!data.handle.ok()) fail("cannot make {}: {}", data.where, std::strerror(errno));
   return data;
 }
 

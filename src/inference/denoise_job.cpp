@@ -50,7 +50,7 @@ class Run {
     how_.max_memory_bytes = job.max_memory_bytes;
     how_.cancel = stop_requested;
     how_.progress = [this](double share) { advance_to(int64_t(share * kSteps)); };
-    check_parts();
+    check_outputs();
   }
 
   nlohmann::ordered_json denoise(const DenoiseTask& task) {
@@ -59,10 +59,11 @@ class Run {
     const auto start = std::chrono::steady_clock::now();
     const Image image = denoiser_.denoise(frame, how_);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write(task.output, image, input);
+    const std::vector<std::string> notes = write(task.output, image, input);
     const std::string name = task.inputs[0].string();
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
+    for (const std::string& note : notes) spdlog::warn("{}: {}", task.output.string(), note);
     const int64_t peak = peak_megabytes(), samples = megabytes(frame);
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
@@ -76,6 +77,7 @@ class Run {
             {"peak_memory_mb", peak},
             {"input_memory_mb", samples},
             {"masked_samples", input.faults.not_finite},
+            {"mended_guides", input.faults.guides},
             {"negative_values", input.faults.negative}};
   }
 
@@ -85,13 +87,16 @@ class Run {
   }
 
  private:
-  void check_parts() const {
+  void check_outputs() const {
+    for (const DenoiseTask& task : job_.tasks)
+      if (picture_format(task.output) != PictureFormat::exr && job_.full_float)
+        fail_usage("{}: --float goes with EXR; PNG has 8 bits", task.output.string());
     if (!job_.wants_parts()) return;
     const std::string& network = denoiser_.network_config().name;
     if (network != "layer")
       fail_usage("the model's network is '{}', which has no layers to look at; expected 'layer'", network);
     for (const DenoiseTask& task : job_.tasks)
-      if (task.output.extension() != ".exr")
+      if (picture_format(task.output) != PictureFormat::exr)
         fail_usage("{} cannot hold parts for looking; expected an output with the extension .exr",
                    task.output.string());
   }
@@ -128,15 +133,16 @@ class Run {
     return parts;
   }
 
-  void write(const fs::path& output, const Image& image, const InputFrame& input) const {
-    if (output.extension() != ".exr") {
+  /// What users should know about the file.
+  std::vector<std::string> write(const fs::path& output, const Image& image, const InputFrame& input) const {
+    if (picture_format(output) != PictureFormat::exr) {
       write_image(output, image);
-      return;
+      return {};
     }
     const std::string by = fmt::format("ld_denoise {}, network {}, {}", LD_VERSION,
                                        denoiser_.network_config().name, job_.model.filename().string());
-    write_picture(output, with_alpha(image, input.frame), input.original, parts_of(input.frame),
-                  job_.full_float, by);
+    return write_picture(output, with_alpha(image, input.frame), input.original, parts_of(input.frame),
+                         job_.full_float, by);
   }
 
   const DenoiseJob& job_;

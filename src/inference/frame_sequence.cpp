@@ -5,10 +5,13 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/file_identity.h"
 
 namespace ld {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr int64_t kMostFrames = 1'000'000'000'000;  // either way from 0
 
 /// A file name around its run of #.
 struct NamePattern {
@@ -28,22 +31,36 @@ struct NamePattern {
       fail_usage("'{}' has two places for a number; expected one run of #", text);
   }
 
-  fs::path of(int64_t frame) const {
-    return digits == 0 ? folder / before : folder / fmt::format("{}{:0{}}{}", before, frame, digits, after);
+  /// `length` is that of the number without its sign: digits that the name has beyond it are zeros in front.
+  fs::path of(int64_t frame, size_t length) const {
+    const std::string number = fmt::format("{:0{}}", frame < 0 ? -frame : frame, length);
+    return folder / fmt::format("{}{}{}{}", before, frame < 0 ? "-" : "", number, after);
   }
 
-  /// The number in a file's name; -1 where it is not of this pattern.
-  int64_t number_in(const std::string& name) const {
-    if (name.size() < before.size() + after.size() + digits) return -1;
+  /// Renderers write frame -1 of #### as -0001 or as -001: the sign is one of the characters or is not. What
+  /// is there counts.
+  fs::path of(int64_t frame) const {
+    if (digits == 0) return folder / before;
+    const fs::path usual = of(frame, digits);
+    if (frame >= 0 || digits < 2 || fs::exists(usual)) return usual;
+    const fs::path shorter = of(frame, digits - 1);
+    return fs::exists(shorter) ? shorter : usual;
+  }
+
+  /// The number in a file's name, if it is of this pattern.
+  std::optional<int64_t> number_in(const std::string& name) const {
+    if (name.size() < before.size() + after.size() + digits) return {};
     if (name.compare(0, before.size(), before) != 0 ||
         name.compare(name.size() - after.size(), after.size(), after) != 0)
-      return -1;
+      return {};
     const char* first = name.data() + before.size();
     const char* last = name.data() + name.size() - after.size();
-    int64_t number = -1;
+    int64_t number = 0;
     const auto [stop, error] = std::from_chars(first, last, number);
-    if (error != std::errc() || stop != last || number < 0) return -1;
-    return of(number).filename() == name ? number : -1;  // no more zeros in front than the pattern has
+    if (error != std::errc() || stop != last) return {};
+    if (of(number, digits).filename() == name) return number;  // no more zeros in front than the pattern has
+    if (number < 0 && digits > 1 && of(number, digits - 1).filename() == name) return number;
+    return {};
   }
 
   /// Numbers of the files that there are.
@@ -51,8 +68,8 @@ struct NamePattern {
     std::set<int64_t> numbers;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error))
-      if (const int64_t number = number_in(entry.path().filename().string()); number >= 0)
-        numbers.insert(number);
+      if (const std::optional<int64_t> number = number_in(entry.path().filename().string()))
+        numbers.insert(*number);
     return numbers;
   }
 };
@@ -72,17 +89,16 @@ std::vector<int64_t> frames_of(const std::vector<NamePattern>& patterns,
 }
 
 void check_outputs(const std::vector<DenoiseTask>& tasks) {
-  std::set<fs::path> inputs, outputs;
-  for (const DenoiseTask& task : tasks)
-    for (const fs::path& input : task.inputs) inputs.insert(input.lexically_normal());
+  std::vector<fs::path> inputs, outputs;
+  std::set<FileIdentity> targets;
   for (const DenoiseTask& task : tasks) {
-    const fs::path output = task.output.lexically_normal();
-    if (inputs.count(output) > 0)
-      fail_usage("the output {} is one of the inputs; choose another name or folder", task.output.string());
-    if (!outputs.insert(output).second)
+    inputs.insert(inputs.end(), task.inputs.begin(), task.inputs.end());
+    outputs.push_back(task.output);
+    if (!targets.insert(FileIdentity(task.output)).second)
       fail_usage("two pictures would be written to {}; choose an output with #### or a folder",
                  task.output.string());
   }
+  refuse_overwriting(outputs, inputs);
 }
 
 }  // namespace
@@ -93,8 +109,8 @@ FrameRange parse_frame_range(const std::string& text) {
   const auto [colon, first_error] = std::from_chars(text.data(), end, range.first);
   const bool good = first_error == std::errc() && colon != end && *colon == ':';
   const auto [stop, last_error] = std::from_chars(good ? colon + 1 : end, end, range.last);
-  if (!good || last_error != std::errc() || stop != end || range.first < 0 || range.last <= range.first ||
-      range.last - range.first > 10'000'000)
+  if (!good || last_error != std::errc() || stop != end || range.first < -kMostFrames ||
+      range.last > kMostFrames || range.last <= range.first || range.last - range.first > 10'000'000)
     fail_usage("'{}' is no range of frames; expected A:B, which means frames A to B - 1", text);
   return range;
 }

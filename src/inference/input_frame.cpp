@@ -15,26 +15,33 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A frame's first part is the mean, unless somebody left that out and it is a sample.
-Original original_of_frame(const fs::path& file) {
+Original original_of_frame(const fs::path& file, const Frame& frame) {
   const ExrReader exr(file);
-  const std::string name = exr.part_name(0);
-  const bool sample = name.size() > 3 && name[0] == 's' &&
-                      std::all_of(name.begin() + 1, name.end(), [](char c) { return c >= '0' && c <= '9'; });
-  return {file, 0, {"R", "G", "B", "A"}, !sample};
+  Original original;
+  original.file = file;
+  original.windows = frame.info.windows;
+  original.replaced = {{0, "R"}, {0, "G"}, {0, "B"}};
+  if (!frame.alpha.empty()) original.replaced.insert({0, "A"});
+  for (int part = 0; part < exr.parts(); ++part)
+    if (sample_number(exr.part_name(part)) >= 0) original.samples.insert(part);
+  return original;
 }
 
-/// The part with the radiance of the first file, without its radiance and alpha.
-Original original_of_render(const fs::path& file, const ImportMapping& mapping) {
+/// The part with the radiance of the first file. Of other samples in that file, the parts with their radiance
+/// are samples.
+Original original_of_render(const fs::path& file, const ImportMapping& mapping, const Frame& frame) {
   const ExrReader exr(file);
-  Original original{file, 0, {}, true};
+  Original original;
+  original.file = file;
+  original.windows = frame.info.windows;
   const std::vector<SourceSample> samples = plan_samples(exr, mapping, Wanted::picture);
   original.part = samples[0].features[0].channels[0].part;
   for (const SourceSample& sample : samples) {
-    std::vector<SourceFeature> sources = sample.features;
-    sources.push_back(sample.alpha);
-    for (const SourceFeature& source : sources)
+    const int part = sample.features[0].channels[0].part;
+    if (part != original.part) original.samples.insert(part);
+    for (const SourceFeature& source : {sample.features[0], sample.alpha})
       for (const SourceChannel& channel : source.channels)
-        if (channel.part == original.part) original.replaced.push_back(channel.name);
+        original.replaced.insert({channel.part, channel.name});
   }
   return original;
 }
@@ -48,8 +55,8 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
           "{}: the renders hold {}, but not the feature '{}' that the model reads; render it, or use a model "
           "whose `features` leave '{}' out",
           files[0].string(), fmt::join(imported.frame.features, ", "), feature, feature);
-  InputFrame input{std::move(imported.frame), imported.faults, imported.notes,
-                   original_of_render(files[0], *render.mapping)};
+  InputFrame input{std::move(imported.frame), imported.faults, imported.notes, {}};
+  input.original = original_of_render(files[0], *render.mapping, input.frame);
   if (!imported.repeated.empty())
     input.notes.push_back(fmt::format("{} the same in all samples: networks on samples make less of it",
                                       fmt::join(imported.repeated, ", ")));
@@ -67,7 +74,7 @@ InputFrame read_input(const std::vector<fs::path>& files, const RenderInput& ren
   }
   InputFrame input;
   input.frame = read_frame(files[0], features, input.faults, samples);
-  input.original = original_of_frame(files[0]);
+  input.original = original_of_frame(files[0], input.frame);
   return input;
 }
 

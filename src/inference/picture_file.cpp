@@ -11,11 +11,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "core/error.h"
 #include "core/file_io.h"
 #include "frame/exr_reader.h"
+#include "frame/frame_attributes.h"
+#include "frame/half_range.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -39,30 +40,68 @@ Channel channel_of(const std::string& name, const float* pixels, size_t count, b
     std::copy_n(reinterpret_cast<const char*>(pixels), channel.bytes.size(), channel.bytes.data());
   } else {
     half* out = reinterpret_cast<half*>(channel.bytes.data());
-    for (size_t p = 0; p < count; ++p) out[p] = half(std::clamp(pixels[p], -65504.0F, 65504.0F));
+    for (size_t p = 0; p < count; ++p) out[p] = half(std::clamp(pixels[p], -kHalfMax, kHalfMax));
   }
   return channel;
 }
 
-/// The original's channels that are kept, as they stand there.
-std::vector<Channel> kept_channels(const ExrReader& exr, const Original& original, const Image& picture) {
+/// The channels of an image, of which the first three may be a colour; `beyond` counts those that half floats
+/// do not reach.
+std::vector<Channel> channels_of(Image image, const std::vector<std::string>& names, bool full_float,
+                                 int64_t& beyond) {
+  const size_t pixels = image.plane_size();
+  if (!full_float && image.channels >= 3)
+    beyond += fit_colours_in_half(image.plane(0), image.plane(1), image.plane(2), pixels);
   std::vector<Channel> channels;
-  if (!original.keep_channels || exr.width(original.part) != picture.width ||
-      exr.height(original.part) != picture.height)
-    return channels;
-  const Imf::ChannelList& list = exr.header(original.part).channels();
+  for (int c = 0; c < image.channels; ++c)
+    channels.push_back(channel_of(names[static_cast<size_t>(c)], image.plane(c), pixels, full_float));
+  return channels;
+}
+
+/// Rows of pixels that lie at `from` to where `to` has them; bytes outside of `from` stay.
+void place(const std::vector<char>& source, const Imath::Box2i& from, std::vector<char>& target,
+           const Imath::Box2i& to, size_t pixel_bytes) {
+  const auto bytes = static_cast<int64_t>(pixel_bytes);
+  const int64_t first = std::max(from.min.x, to.min.x), last = std::min(from.max.x, to.max.x);
+  const int64_t from_width = int64_t{from.max.x} - from.min.x + 1,
+                to_width = int64_t{to.max.x} - to.min.x + 1;
+  for (int64_t y = std::max(from.min.y, to.min.y); y <= std::min(from.max.y, to.max.y) && first <= last; ++y)
+    std::copy_n(source.begin() + ((y - from.min.y) * from_width + first - from.min.x) * bytes,
+                (last - first + 1) * bytes,
+                target.begin() + ((y - to.min.y) * to_width + first - to.min.x) * bytes);
+}
+
+/// The original's channels that are kept of one of its parts, as they stand there, placed in `window`.
+std::vector<Channel> kept_channels(const ExrReader& exr, const Original& original, int part,
+                                   const Imath::Box2i& window, std::vector<std::string>& notes) {
+  std::vector<Channel> channels;
+  std::string subsampled;
+  const size_t pixels = static_cast<size_t>(exr.width(part)) * static_cast<size_t>(exr.height(part));
+  const Imf::ChannelList& list = exr.header(part).channels();
   for (auto it = list.begin(); it != list.end(); ++it) {
-    const std::string name = it.name();
-    if (std::find(original.replaced.begin(), original.replaced.end(), name) != original.replaced.end())
+    if (original.replaced.count({part, it.name()}) > 0) continue;
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
+      subsampled += (subsampled.empty() ? "" : ", ") + std::string(it.name());
       continue;
-    if (name == "R" || name == "G" || name == "B" || (name == "A" && picture.channels == 4)) continue;
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) continue;
-    channels.push_back({name, it.channel().type, {}});
-    channels.back().bytes.resize(picture.plane_size() * bytes_of(it.channel().type));
+    }
+    channels.push_back({it.name(), it.channel().type, {}});
+    channels.back().bytes.resize(pixels * bytes_of(it.channel().type));
   }
+  if (!subsampled.empty())
+    notes.push_back("not kept, because they do not have every pixel: the channels " + subsampled);
   std::vector<ExrTypedPlane> planes;
-  for (Channel& channel : channels) planes.push_back({channel.name, channel.type, channel.bytes.data()});
-  if (!planes.empty()) exr.read_typed(original.part, planes);
+  for (Channel& channel : channels)
+    planes.push_back({channel.name, channel.type, channel.bytes.data(), pixels});
+  if (!planes.empty()) exr.read_typed(part, planes);
+  const Imath::Box2i& own = exr.header(part).dataWindow();
+  if (own == window) return channels;
+  const Imath::V2i size = window.size() + Imath::V2i(1, 1);
+  for (Channel& channel : channels) {
+    std::vector<char> placed(static_cast<size_t>(size.x) * static_cast<size_t>(size.y) *
+                             bytes_of(channel.type));
+    place(channel.bytes, own, placed, window, bytes_of(channel.type));
+    channel.bytes = std::move(placed);
+  }
   return channels;
 }
 
@@ -92,7 +131,9 @@ void write_parts(const fs::path& temporary, const fs::path& path, const std::vec
   std::vector<Imf::Header> headers;
   for (const Part& part : parts) headers.push_back(part.header);
   try {
-    Imf::MultiPartOutputFile file(temporary.c_str(), headers.data(), int(headers.size()));
+    // What OpenEXR wants to be the same in all parts (display window, chromaticities, ...) is the picture's.
+    Imf::MultiPartOutputFile file(temporary.c_str(), headers.data(), int(headers.size()),
+                                  /*overrideSharedAttributes=*/true);
     for (size_t i = 0; i < parts.size(); ++i) {
       const Imath::Box2i& window = headers[i].dataWindow();
       Imf::FrameBuffer buffer;
@@ -103,49 +144,65 @@ void write_parts(const fs::path& temporary, const fs::path& path, const std::vec
       output.writePixels(window.max.y - window.min.y + 1);
     }
   } catch (const std::exception& error) {
-    fail("cannot write {}: {}; is the disk full?", path.string(), error.what());
+    fail_to_write(path, error.what());
   }
 }
 
 }  // namespace
 
-void write_picture(const fs::path& path, const Image& picture, const Original& original,
-                   const std::vector<PicturePart>& further, bool full_float, const std::string& by) {
+std::vector<std::string> write_picture(const fs::path& path, const Image& picture, const Original& original,
+                                       const std::vector<PicturePart>& further, bool full_float,
+                                       const std::string& by) {
   const ExrReader exr(original.file);
-  const Imf::Header& source = exr.header(original.part);
-  const Imath::V2i corner = source.dataWindow().min;
-  const auto window_at = [&](int x, int y, const Image& image) {
-    const Imath::V2i first(corner.x + x, corner.y + y);
-    return Imath::Box2i(first, first + Imath::V2i(image.width - 1, image.height - 1));
-  };
-
+  std::vector<std::string> notes;
+  int64_t beyond = 0;
   std::vector<Part> parts(1);
-  parts[0].header = Imf::Header(source.displayWindow(), window_at(0, 0, picture));
   Imf::Header& header = parts[0].header;
-  copy_attributes(source, header);
+  header = header_with(picture.width, picture.height, original.windows);
+  const Imath::Box2i window = header.dataWindow();
+  copy_attributes(exr.header(original.part), header);
   header.insert("ldDenoisedBy", Imf::StringAttribute(by));
   header.compression() = Imf::ZIP_COMPRESSION;
   header.setType(Imf::SCANLINEIMAGE);
   header.setName("denoised");
   const Part empty = parts[0];
-  std::vector<Channel> colour;
-  for (int c = 0; c < picture.channels; ++c)
-    colour.push_back(
-        channel_of(std::string(1, "RGBA"[c]), picture.plane(c), picture.plane_size(), full_float));
-  add_channels(parts[0], std::move(colour));
-  add_channels(parts[0], kept_channels(exr, original, picture));
+  add_channels(parts[0], channels_of(picture, {"R", "G", "B", "A"}, full_float, beyond));
+  if (original.samples.count(original.part) == 0)
+    add_channels(parts[0], kept_channels(exr, original, original.part, window, notes));
 
   for (const PicturePart& part : further) {
     parts.push_back(empty);
     parts.back().header.setName(part.name);
-    parts.back().header.dataWindow() = window_at(part.x, part.y, part.image);
-    std::vector<Channel> channels;
-    for (int c = 0; c < part.image.channels; ++c)
-      channels.push_back(
-          channel_of(part.channels[size_t(c)], part.image.plane(c), part.image.plane_size(), full_float));
-    add_channels(parts.back(), std::move(channels));
+    const Imath::V2i first = window.min + Imath::V2i(part.x, part.y);
+    parts.back().header.dataWindow() = {first,
+                                        first + Imath::V2i(part.image.width - 1, part.image.height - 1)};
+    add_channels(parts.back(), channels_of(part.image, part.channels, full_float, beyond));
+  }
+
+  std::set<std::string> names;
+  for (const Part& part : parts) names.insert(part.header.name());
+  for (int part = 0; part < exr.parts(); ++part) {
+    if (part == original.part || original.samples.count(part) > 0) continue;
+    std::vector<Channel> kept = kept_channels(exr, original, part, exr.header(part).dataWindow(), notes);
+    if (kept.empty()) continue;
+    parts.emplace_back();
+    Imf::Header& own = parts.back().header;
+    own = Imf::Header(exr.header(part).displayWindow(), exr.header(part).dataWindow());
+    copy_attributes(exr.header(part), own);
+    own.compression() = Imf::ZIP_COMPRESSION;
+    own.setType(Imf::SCANLINEIMAGE);
+    std::string name = exr.part_name(part);
+    while (!names.insert(name).second) name += "_";  // a file that was denoised before has a part "denoised"
+    own.setName(name);
+    add_channels(parts.back(), std::move(kept));
   }
   write_atomically(path, [&](const fs::path& temporary) { write_parts(temporary, path, parts); });
+  if (beyond > 0)
+    notes.push_back(
+        fmt::format("{} colour channels are brighter than half floats reach (65504): darkened, with their "
+                    "hue; --float keeps them",
+                    beyond));
+  return notes;
 }
 
 }  // namespace ld

@@ -2,19 +2,22 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frame/frame.h"
 
 namespace ld {
 
-/// The input that a picture was made of.
+/// The input that a picture was made of. All that it holds besides the samples is kept.
 struct Original {
   std::filesystem::path file;
-  int part = 0;                       // whose channels, windows and attributes are kept
-  std::vector<std::string> replaced;  // its channels that the picture stands for
-  bool keep_channels = true;          // the others
+  Windows windows;  // of the samples, and so of the picture
+  int part = 0;     // whose attributes the picture has, and whose channels stand beside it
+  std::set<std::pair<int, std::string>> replaced;  // part and channel: those that the picture stands for
+  std::set<int> samples;                           // parts that are samples: left out
 };
 
 /// A further part of the file, for looking.
@@ -25,11 +28,14 @@ struct PicturePart {
   int x = 0, y = 0;                   // its upper left pixel, from that of the picture
 };
 
-/// Writes R, G, B (and A where the picture has a fourth channel), with the channels of the original as they
-/// are (half, float or integers), its windows and its attributes, but for those that speak of samples. Half
-/// floats, or full ones; ZIP, no time stamps; atomic. `by` goes into the attribute ldDenoisedBy. Channels of
-/// an original whose part is not of the picture's size are left out. Throws Error.
-void write_picture(const std::filesystem::path& path, const Image& picture, const Original& original,
-                   const std::vector<PicturePart>& further, bool full_float, const std::string& by);
+/// Writes R, G, B (and A where the picture has a fourth channel) at the windows of the samples; beside them,
+/// bit for bit, the original's channels in half, float or integers, those of its other parts in parts of
+/// their own; and its attributes, but for those that speak of samples. Channels of `part` are placed by its
+/// data window, 0 outside. Half floats, in which colours beyond their range become darker but keep their hue,
+/// or full ones; ZIP, no time stamps; atomic. `by` goes into the attribute ldDenoisedBy. Returns what users
+/// should know, a line each: what could not be kept. Throws Error.
+std::vector<std::string> write_picture(const std::filesystem::path& path, const Image& picture,
+                                       const Original& original, const std::vector<PicturePart>& further,
+                                       bool full_float, const std::string& by);
 
 }  // namespace ld

@@ -57,7 +57,7 @@ void guarded(const Work& work) {
   try {
     work();
   } catch (const fs::filesystem_error& error) {
-    fail("{}; is the disk full?", error.what());
+    fail("{}", error.what());
   }
 }
 

@@ -137,7 +137,7 @@ void EventFile::append(const std::string& event) {
       const int reason = errno;
       // What could not be cut off would end the file for its readers; there is nothing left to try.
       const bool cut = ftruncate(file_, whole_) == 0;
-      fail("cannot append to {}: {}; is the disk full?{}", path_.string(), std::strerror(reason),
+      fail("cannot append to {}: {}{}", path_.string(), std::strerror(reason),
            cut ? "" : " (its last record is incomplete)");
     }
   }

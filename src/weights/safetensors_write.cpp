@@ -93,7 +93,7 @@ void write_safetensors(const std::filesystem::path& path, const std::vector<Tens
     for (const TensorView& tensor : sorted)
       file.write(static_cast<const char*>(tensor.data), static_cast<std::streamsize>(tensor.bytes));
     file.close();
-    if (!file) fail("cannot write {}: {}; is the disk full?", path.string(), std::strerror(errno));
+    if (!file) fail_to_write(path, std::strerror(errno));
   });
 }
 

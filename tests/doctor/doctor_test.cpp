@@ -64,7 +64,7 @@ const std::vector<Fault>& faults() {
        "values",
        "write 65504 where the ray escaped",
        [](Picture& p) { sprinkle(p, kDepthOffset, 50, kInfinity); },
-       {}},
+       {"depth"}},
       {"negative radiance",
        "values",
        "radiance channels are negative",

@@ -220,19 +220,24 @@ TEST(FrameFile, CountsAndMendsWhatRenderersGetWrong) {
 
   Faults faults;
   const Frame read = read_all(folder / "frame.exr", faults);
-  EXPECT_EQ(faults.not_finite, 3);
+  EXPECT_EQ(faults.not_finite, 2);
+  EXPECT_EQ(faults.guides, 1);
   EXPECT_EQ(faults.negative, 1);
   EXPECT_EQ(faults.clamped, 2);
-  EXPECT_EQ(read.valid, (std::vector<uint8_t>{0, 0, 0, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(read.valid, (std::vector<uint8_t>{0, 0, 1, 1, 1, 1, 1, 1}));
+  for (int c = 0; c < 3; ++c)
+    EXPECT_EQ(read.plane(0, kNormalOffset + c)[2], 0.0F) << "a bad guide costs the guide";
+  EXPECT_EQ(read.plane(0, 1)[2], static_cast<float>(half(frame.plane(0, 1)[2]))) << "not the light";
   EXPECT_EQ(read.plane(0, 2)[3], 0.0F);
-  for (int c = 0; c < 3; ++c) EXPECT_EQ(read.plane(0, c)[4], 65504.0F);
+  EXPECT_EQ(read.plane(0, 0)[4], 0.0F) << "0.0043 of a colour of 1e30";
+  EXPECT_EQ(read.plane(0, 1)[4], 65504.0F);
   EXPECT_EQ(read.plane(0, kDepthOffset)[5], kEscapedDepth);
 
   // The picture shows the mended samples.
   int64_t bad = -1;
   const Image picture = read_image(folder / "frame.exr", &bad);
   EXPECT_EQ(bad, 0);
-  EXPECT_EQ(picture.plane(0)[4], 65504.0F);
+  EXPECT_EQ(picture.plane(1)[4], 65504.0F);
   EXPECT_EQ(picture.plane(2)[3], 0.0F);
 
   // A second generation remembers what the first one clamped.

@@ -65,6 +65,21 @@ TEST(ImageFile, SetsBadPixelsToZeroAndCountsThem) {
   EXPECT_EQ(read.at(2, 2, 0), 65504.0F);
 }
 
+TEST(ImageFile, ColoursBeyondHalfKeepTheirHue) {
+  const TemporaryFolder folder;
+  Image image(4, 1, 3);
+  const float colours[4][3] = {{131008, 65504, 32752}, {3e38F, 3e38F, 0}, {65504, 1, 2}, {0.5F, 1e6F, -1e9F}};
+  for (int x = 0; x < 4; ++x)
+    for (int c = 0; c < 3; ++c) image.at(c, x, 0) = colours[x][c];
+  write_image(folder / "image.exr", image);
+  const Image read = read_image(folder / "image.exr");
+  const float expected[4][3] = {
+      {65504, 32752, 16376}, {65504, 65504, 0}, {65504, 1, 2}, {0.032755F, 65504, 0}};
+  for (int x = 0; x < 4; ++x)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(read.at(c, x, 0), expected[x][c], 1e-3F * expected[x][c]) << x << " " << c;
+}
+
 TEST(ImageFile, PngHoldsTheToneMapIn8Bits) {
   const TemporaryFolder folder;
   Image image = ramp(5, 3, 3);

@@ -84,7 +84,7 @@ void write_rich_frame(const fs::path& path) {
 
 std::vector<float> channel_of(const ExrReader& exr, int part, const std::string& name) {
   std::vector<float> pixels(size_t(exr.width(part)) * size_t(exr.height(part)));
-  exr.read(part, std::vector<ExrPlane>{{name, pixels.data()}});
+  exr.read(part, std::vector<ExrPlane>{{name, pixels.data(), pixels.size()}});
   return pixels;
 }
 
@@ -147,7 +147,7 @@ TEST_F(DenoiseProgram, KeepsAlphaChannelsWindowsAndAttributes) {
     const std::vector<float> crypto = channel_of(exr, 0, "crypto00.r");
     for (size_t p = 0; p < crypto.size(); ++p) ASSERT_EQ(crypto[p], 1e-30F * float(p)) << "not through half";
     std::vector<uint32_t> ids(crypto.size());
-    exr.read_typed(0, {{"id", Imf::UINT, reinterpret_cast<char*>(ids.data())}});
+    exr.read_typed(0, {{"id", Imf::UINT, reinterpret_cast<char*>(ids.data()), ids.size()}});
     for (size_t p = 0; p < ids.size(); ++p) ASSERT_EQ(ids[p], 4'000'000'000U + p);
     EXPECT_EQ(read_image(path("kept.exr")).width, kWidth);
   }

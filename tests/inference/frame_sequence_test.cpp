@@ -43,8 +43,22 @@ TEST_F(FrameSequence, ARangeNamesFramesWhetherTheyAreThereOrNot) {
   ASSERT_EQ(tasks.size(), 3u);
   EXPECT_EQ(tasks[1].inputs[0], in("a.0009.exr"));
   EXPECT_EQ(tasks[1].output, in("folder/a.0009.exr"));
-  for (const char* wrong : {"", "8", "8:", "8:8", "9:8", "-1:4", "a:b", "1:2:3", "1:99999999999"})
+  for (const char* wrong : {"", "8", "8:", "8:8", "9:8", "a:b", "1:2:3", "1:99999999999"})
     EXPECT_ERROR(parse_frame_range(wrong), "A:B");
+}
+
+TEST_F(FrameSequence, NumbersMayBeNegativeAndTheSignMayTakeADigitsPlace) {
+  for (const char* name : {"n.-0002.exr", "n.-001.exr", "n.0000.exr", "n.0001.exr"})
+    write_file_atomically(folder_ / name, "");
+  const auto all = plan({"n.####.exr"}, "out.####.exr");
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_EQ(all[0].inputs[0], in("n.-0002.exr"));
+  EXPECT_EQ(all[0].output, in("out.-0002.exr"));
+  EXPECT_EQ(all[1].inputs[0], in("n.-001.exr"));
+  EXPECT_EQ(all[2].inputs[0], in("n.0000.exr"));
+  const auto some = plan({"n.####.exr"}, "out", parse_frame_range("-1:1"));
+  ASSERT_EQ(some.size(), 2u);
+  EXPECT_EQ(some[0].inputs[0], in("n.-001.exr"));
 }
 
 TEST_F(FrameSequence, SeveralInputsAreSeveralPicturesOrTheSamplesOfOne) {

@@ -172,9 +172,9 @@ TEST(EventFile, AFullDiskLeavesWholeRecordsAndWritingGoesOn) {
   const size_t whole = fs::file_size(file.path());
   {
     const SmallDisk disk(whole + 20);  // in the middle of the next record
-    EXPECT_ERROR(file.scalar(2, "loss", 2), "events.out.tfevents.000001: File too large; is the disk full?");
+    EXPECT_ERROR(file.scalar(2, "loss", 2), "events.out.tfevents.000001: File too large");
     EXPECT_EQ(fs::file_size(file.path()), whole);
-    EXPECT_ERROR(file.scalar(3, "loss", 3), "is the disk full?");
+    EXPECT_ERROR(file.scalar(3, "loss", 3), "File too large");
   }
   file.scalar(4, "loss", 4);
   const std::vector<std::string> records = records_of(file.path());

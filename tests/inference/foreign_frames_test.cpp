@@ -1,0 +1,199 @@
+// Frames of other programs through ld_denoise: where pictures lie, what is kept, what is said, what is never
+// overwritten.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "frame/exr_reader.h"
+#include "frame/frame_file.h"
+#include "inference/denoise_job.h"
+#include "tests/models/small_network.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/exr_parts.h"
+#include "tests/support/random_frame.h"
+#include "tests/support/run_program.h"
+#include "weights/model_file.h"
+
+namespace ld {
+namespace {
+
+namespace fs = std::filesystem;
+const Imath::Box2i kDisplay({0, 0}, {29, 19}), kSamples({5, 4}, {16, 12});
+
+TestPart colour_part(const std::string& name, const Imath::Box2i& window, float value) {
+  return {
+      name, window, {{"R", everywhere(value)}, {"G", everywhere(value / 2)}, {"B", everywhere(value / 4)}}};
+}
+
+std::vector<float> channel_of(const ExrReader& exr, int part, const std::string& name) {
+  std::vector<float> pixels(size_t(exr.width(part)) * size_t(exr.height(part)));
+  exr.read(part, {{name, pixels.data(), pixels.size()}});
+  return pixels;
+}
+
+int part_of(const ExrReader& exr, const std::string& name) {
+  for (int part = 0; part < exr.parts(); ++part)
+    if (exr.part_name(part) == name) return part;
+  return -1;
+}
+
+class ForeignFrames : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared_ = new TemporaryFolder;
+    NetworkConfig config = small_config();
+    config.features = {"radiance"};
+    save_model(path("model.safetensors"), *small_network(config, torch::kFloat32), "{}", DType::f32);
+  }
+  static void TearDownTestSuite() { delete shared_; }
+  static std::string path(const std::string& name) { return (*shared_ / name).string(); }
+
+  static void denoise(const std::string& input, const std::string& output, bool full_float = false) {
+    DenoiseJob job;
+    job.model = path("model.safetensors");
+    job.tasks = plan_sequence({path(input)}, path(output), {}, false);
+    job.full_float = full_float;
+    run_denoise_job(job);
+  }
+  static ProgramResult run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"--model", path("model.safetensors")});
+    return run_program("ld_denoise", arguments);
+  }
+
+  static TemporaryFolder* shared_;
+};
+TemporaryFolder* ForeignFrames::shared_ = nullptr;
+
+TEST_F(ForeignFrames, ThePictureLiesWhereTheSamplesDoAndTheMeansChannelsAreMovedThere) {
+  for (const Imath::Box2i& mean :
+       {kSamples, kDisplay, Imath::Box2i({0, 0}, {11, 8}), Imath::Box2i({-3, 10}, {6, 30})}) {
+    TestPart first = colour_part("mean", mean, 1);
+    first.channels.emplace_back("crypto", [](int x, int y) { return float(x + 100 * y); });
+    write_exr_parts(path("mean.exr"), kDisplay,
+                    {first, colour_part("s000", kSamples, 1), colour_part("s001", kSamples, 1)});
+    denoise("mean.exr", "moved.exr", true);
+    const ExrReader exr(path("moved.exr"));
+    EXPECT_EQ(exr.parts(), 1);
+    EXPECT_EQ(exr.header(0).dataWindow(), kSamples);
+    EXPECT_EQ(exr.header(0).displayWindow(), kDisplay);
+    const std::vector<float> crypto = channel_of(exr, 0, "crypto");
+    for (int y = kSamples.min.y; y <= kSamples.max.y; ++y)
+      for (int x = kSamples.min.x; x <= kSamples.max.x; ++x)
+        ASSERT_EQ(crypto[size_t((y - kSamples.min.y) * exr.width(0) + x - kSamples.min.x)],
+                  mean.intersects(Imath::V2i(x, y)) ? float(x + 100 * y) : 0.0F)
+            << x << " " << y;
+    for (const float red : channel_of(exr, 0, "R")) ASSERT_NEAR(red, 1, 1e-5);
+  }
+}
+
+TEST_F(ForeignFrames, PartsThatAreNoSamplesAndAlphaOfTheMeanAloneAreKept) {
+  TestPart mean = colour_part("mean", kSamples, 1);
+  mean.channels.emplace_back("A", [](int x, int) { return float(x) / 32; });
+  const TestPart crypto{"crypto",
+                        Imath::Box2i({2, 1}, {9, 9}),
+                        {{"id", [](int x, int y) { return 1e-30F * float(x + 50 * y); }}}};
+  write_exr_parts(path("parts.exr"), kDisplay,
+                  {mean, crypto, colour_part("s000", kSamples, 1), colour_part("s001", kSamples, 1),
+                   colour_part("denoised", kSamples, 7)});
+  denoise("parts.exr", "kept.exr");
+  const ExrReader exr(path("kept.exr"));
+  EXPECT_EQ(exr.parts(), 3);
+  EXPECT_EQ(exr.channel_list(0), "A, B, G, R");
+  const std::vector<float> alpha = channel_of(exr, 0, "A");
+  EXPECT_EQ(alpha[3], 8.0F / 32);
+  const int kept = part_of(exr, "crypto");
+  ASSERT_GE(kept, 0);
+  EXPECT_EQ(exr.header(kept).dataWindow(), crypto.window);
+  EXPECT_EQ(channel_of(exr, kept, "id")[8], 1e-30F * 102);
+  const int old = part_of(exr, "denoised_");
+  ASSERT_GE(old, 0) << "a picture that was denoised before";
+  EXPECT_EQ(channel_of(exr, old, "R")[0], 7.0F);
+}
+
+TEST_F(ForeignFrames, ABadGuideCostsTheGuideAlone) {
+  Frame good = random_frame(9, 7, 3), bad = good;
+  for (size_t p = 0; p < good.plane_size(); ++p) {
+    bad.plane(1, kNormalOffset)[p] = std::numeric_limits<float>::quiet_NaN();
+    bad.plane(2, kDepthOffset)[p] = std::numeric_limits<float>::infinity();
+    for (int c = 0; c < 3; ++c) good.plane(1, kNormalOffset + c)[p] = 0;
+    good.plane(2, kDepthOffset)[p] = kEscapedDepth;
+  }
+  bad.info.depth_scale = good.info.depth_scale = 2;
+  write_frame(path("bad.exr"), bad);
+  write_frame(path("good.exr"), good);
+  const ProgramResult result = run({path("bad.exr"), "--output", path("bad_out.exr")});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("126 guides of samples that are NaN or infinite"), std::string::npos)
+      << result.output;
+  denoise("good.exr", "good_out.exr");
+  EXPECT_EQ(read_image(path("bad_out.exr")).pixels, read_image(path("good_out.exr")).pixels);
+}
+
+TEST_F(ForeignFrames, ColoursBeyondHalfKeepTheirHueAndAreCounted) {
+  write_exr_parts(path("bright.exr"), kDisplay,
+                  {colour_part("s000", kSamples, 400000), colour_part("s001", kSamples, 400000)});
+  const ProgramResult half = run({path("bright.exr"), "--output", path("half.exr")});
+  EXPECT_NE(half.output.find("324 colour channels are brighter than half floats reach"), std::string::npos)
+      << half.output;
+  EXPECT_NE(half.output.find("--float keeps them"), std::string::npos) << half.output;
+  const ExrReader exr(path("half.exr"));
+  EXPECT_EQ(channel_of(exr, 0, "R")[5], 65504.0F);
+  EXPECT_NEAR(channel_of(exr, 0, "G")[5], 32752, 32);
+  EXPECT_NEAR(channel_of(exr, 0, "B")[5], 16376, 16);
+  const ProgramResult full = run({"--float", path("bright.exr"), "--output", path("full.exr")});
+  EXPECT_EQ(full.output.find("half floats"), std::string::npos) << full.output;
+  EXPECT_NEAR(channel_of(ExrReader(path("full.exr")), 0, "R")[5], 400000, 4);
+}
+
+TEST_F(ForeignFrames, NoOutputReplacesAnInputWhateverItIsCalled) {
+  fs::create_directories(path("there/below"));
+  write_frame(path("there/in.exr"), random_frame(4, 3, 2));
+  const std::string bytes = read_file(path("there/in.exr"));
+  fs::create_directory_symlink(path("there"), path("linked"));
+  fs::create_hard_link(path("there/in.exr"), path("hard.exr"));
+  fs::create_symlink(path("there/in.exr"), path("soft.exr"));
+  for (const char* output :
+       {"there/in.exr", "there/below/../in.exr", "linked/in.exr", "hard.exr", "soft.exr"}) {
+    expect_failure(run({path("there/in.exr"), "--output", path(output)}), 2, {"in.exr"});
+    expect_failure(run({path("there/in.exr"), "--output", path("x.exr"), "--json", path(output)}), 2,
+                   {"in.exr"});
+  }
+  expect_failure(run({path("there/in.exr"), "--output", path("model.safetensors")}), 2,
+                 {"model.safetensors"});
+  expect_failure(
+      run_program("ld_import", {"--preset", "cycles", "--frame", path("hard.exr"), path("there/in.exr")}), 2,
+      {"is the input"});
+  expect_failure(run_program("ld_export", {"--model", path("model.safetensors"), "--format", "safetensors",
+                                           "--out", path("linked/../model.safetensors")}),
+                 2, {"model.safetensors"});
+  EXPECT_EQ(read_file(path("there/in.exr")), bytes);
+  EXPECT_FALSE(fs::exists(path("x.exr")));
+}
+
+TEST_F(ForeignFrames, OptionsTakeOneValueInAnyOrder) {
+  write_frame(path("order.exr"), random_frame(4, 3, 2));
+  for (const std::vector<std::string>& option : {std::vector<std::string>{"--kernel-at", "1,1"},
+                                                 {"--aovs", "layers"},
+                                                 {"--kernel-at", "1,1", "--aovs", "layers,unfiltered"}}) {
+    std::vector<std::string> arguments = option;
+    arguments.insert(arguments.end(), {path("order.exr"), "--output", path("order_out.exr")});
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+  }
+  expect_failure(run({"--set", "layer=L", path("order.exr"), "--output", path("order_out.exr")}), 2,
+                 {"--set", "--preset"});
+}
+
+TEST_F(ForeignFrames, WhatCannotBeWrittenIsRefusedBeforeTheWork) {
+  write_frame(path("late.exr"), random_frame(4, 3, 2));
+  expect_failure(run({path("late.exr"), "--output", path("late.jpg")}), 2, {"unknown extension '.jpg'"});
+  expect_failure(run({path("late.exr"), "--output", path("late.png"), "--float"}), 2,
+                 {"--float goes with EXR"});
+  EXPECT_EQ(run({path("late.exr"), "--output", path("LATE.EXR")}).exit_code, 0);
+  const std::string longest(251, 'n'), longer(252, 'n');
+  EXPECT_EQ(run({path("late.exr"), "--output", path(longest + ".exr")}).exit_code, 0);
+  expect_failure(run({path("late.exr"), "--output", path(longer + ".exr")}), 1, {"File name too long"});
+}
+
+}  // namespace
+}  // namespace ld
