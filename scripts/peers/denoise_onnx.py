@@ -4,6 +4,7 @@
 Needs onnxruntime, numpy and OpenEXR, nothing of this project: an example of how another program feeds the model
 (docs/export.md). The model's metadata says which features it reads and how each is encoded.
 """
+import re
 import sys
 
 import numpy as np
@@ -35,12 +36,18 @@ def encode(values, encoding, scale, depth_scale):
     raise SystemExit(f"the model wants an encoding that this program does not know: {encoding}")
 
 
+def median_depth(depths):
+    """What ld_denoise computes where a file does not say: the median over the rays that met something; 1 without any."""
+    met = np.sort(np.concatenate([depth[depth < LARGEST] for depth in depths])) if depths else []
+    return max(met[len(met) // 2], np.float32(1e-6)) if len(met) else np.float32(1)
+
+
 def read_frame(path, features):
     """features [1, S, F, H, W], radiance [1, S, 3, H, W] and valid [1, S, 1, H, W] of a frame."""
     with OpenEXR.File(path, separate_channels=True) as file:
-        samples = [part for part in file.parts if part.header["name"] != "mean"]
-        depth_scale = file.parts[0].header["ldDepthScale"]
+        samples = [part for part in file.parts if re.fullmatch("s[0-9]{3,4}", part.header.get("name", ""))]
         plane = lambda part, name: part.channels[name].pixels.astype(np.float32)
+        depth_scale = file.parts[0].header.get("ldDepthScale") or median_depth([plane(part, "Z") for part in samples if "Z" in part.channels])
         radiance, encoded = [], []
         for part in samples:
             radiance.append([plane(part, name) for name in "RGB"])

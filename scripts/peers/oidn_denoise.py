@@ -40,23 +40,27 @@ QUALITIES = {"fast": 4, "balanced": 5, "high": 6}
 
 
 def mean_features(path, first):
-    """Means over the samples; a sample that is not finite counts as not drawn. Radiance below 0 is 0."""
+    """Means over the samples, and the windows that the picture gets; a sample whose radiance is not finite counts as not drawn, guides that
+    are not finite are 0. Radiance below 0 is 0."""
     with OpenEXR.File(str(path), separate_channels=True) as file:
         samples = [{feature: planes(part, names) for feature, names in FEATURES.items()}
                    for part in file.parts if re.fullmatch(r"s\d+", part.name())]
+        windows = next(({key: part.header[key] for key in ("dataWindow", "displayWindow")}
+                        for part in file.parts if re.fullmatch(r"s\d+", part.name())), {})
     if not samples:
         raise SystemExit(f"{path}: no sample parts s000, s001, ...")
     if first > len(samples):
         raise SystemExit(f"{path}: {len(samples)} samples, but --samples asks for {first}")
     samples = samples[:first] if first else samples
-    valid = [np.all([np.isfinite(sample[f]).all(axis=-1) for f in FEATURES], axis=0) for sample in samples]
+    valid = [np.isfinite(sample["color"]).all(axis=-1) for sample in samples]
     count = np.maximum(np.sum(valid, axis=0), 1)[..., None]
     means = {}
     for feature in FEATURES:
-        values = [np.where(ok[..., None], sample[feature], 0) for sample, ok in zip(samples, valid)]
+        values = [np.where(ok[..., None] & np.isfinite(sample[feature]).all(axis=-1)[..., None], sample[feature], 0)
+                  for sample, ok in zip(samples, valid)]
         means[feature] = np.ascontiguousarray(np.sum(values, axis=0) / count, dtype=np.float32)
     means["color"] = np.maximum(means["color"], 0)
-    return means
+    return means, windows
 
 
 def status_mb(key):
@@ -107,9 +111,9 @@ def denoise(device, images, repeats, quality="high", prefilter=False):
     return output, statistics.median(times[1:]), max(status_mb("VmHWM") - before, 0)
 
 
-def write_picture(path, image):
+def write_picture(path, image, windows):
     partial = path.with_suffix(".partial.exr")
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **windows}
     with OpenEXR.File(header, {"RGB": np.ascontiguousarray(image)}) as file:
         file.write(str(partial))
     os.replace(partial, path)
@@ -140,9 +144,9 @@ def main():
     cost = {"program": f"Open Image Denoise {version // 10000}.{version // 100 % 100}.{version % 100}",
             "threads": options.threads, "peak_mb": 0.0, "seconds": {}}
     for name in frames:
-        picture, seconds, memory = denoise(device, mean_features(options.data / f"{name}.exr", options.samples), options.repeats,
-                                           options.quality, options.prefilter)
-        write_picture(options.out / f"{name}.exr", picture)
+        images, windows = mean_features(options.data / f"{name}.exr", options.samples)
+        picture, seconds, memory = denoise(device, images, options.repeats, options.quality, options.prefilter)
+        write_picture(options.out / f"{name}.exr", picture, windows)
         cost["seconds"][name] = seconds
         cost["peak_mb"] = max(cost["peak_mb"], memory)
     (options.out / "cost.json").write_text(json.dumps(cost, indent=2) + "\n")

@@ -163,13 +163,18 @@ int main(int argc, char** argv) {
     spdlog::info("{}: {} x {} pixels, {} samples; holds {}{}; absent {}", target, frame.width, frame.height,
                  frame.spp, fmt::join(frame.features, ", "), frame.alpha.empty() ? "" : ", alpha",
                  fmt::join(absent, ", "));
+    if (!imported.unused.empty())
+      spdlog::info("{}: channels that no feature took: {}; --set FEATURE.channels=[...] names them", target,
+                   fmt::join(imported.unused, ", "));
     app.write_json({{"width", frame.width},
                     {"height", frame.height},
                     {"samples", frame.spp},
                     {"features", frame.features},
                     {"absent", absent},
                     {"alpha", !frame.alpha.empty()},
+                    {"unused_channels", imported.unused},
                     {"masked_samples", imported.faults.not_finite},
+                    {"mended_guides", imported.faults.guides},
                     {"colours_above_maximum", imported.counts.above_maximum}});
   });
 }

@@ -20,10 +20,7 @@ fs::path cache_folder(const fs::path& data_set, const std::string& folder) {
 
 void check_header(const fs::path& path, const FrameHeader& header, const std::vector<std::string>& features) {
   if (header.spp == 0)
-    fail(
-        "{} holds means only; a sample network needs sample parts s000, s001, ...: render with samples or "
-        "train a pixel network",
-        path.string());
+    fail("{} holds means only; expected sample parts s000, s001, ...: render with samples", path.string());
   for (const std::string& feature : features)
     if (std::find(header.features.begin(), header.features.end(), feature) == header.features.end())
       fail(

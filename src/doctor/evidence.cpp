@@ -7,6 +7,7 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "frame/exr_reader.h"
+#include "frame/picture_place.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -52,11 +53,8 @@ Evidence read_files(const fs::path& frame_file, const fs::path& reference_file, 
   if (reference_needed || fs::exists(reference_file)) {
     evidence.reference = read_image(reference_file, &evidence.bad_reference_values);
     evidence.reference_checksum = file_checksum(reference_file);
-    if (evidence.reference->width != evidence.frame.width ||
-        evidence.reference->height != evidence.frame.height)
-      fail("{}: {} x {} pixels, but its frame has {} x {}; render the two at one size",
-           reference_file.string(), evidence.reference->width, evidence.reference->height,
-           evidence.frame.width, evidence.frame.height);
+    evidence.reference = cut_to(*evidence.reference, read_place(reference_file), reference_file.string(),
+                                read_place(frame_file), frame_file.string());
   }
   complete(evidence);
   return evidence;

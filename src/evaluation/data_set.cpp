@@ -22,7 +22,7 @@ FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& 
     if (!(*warned)[i]) warn_about_faults(folder, frames[i], pair);
     (*warned)[i] = true;
     return EvaluationFrame{frames[i].name, std::move(pair.frame), std::move(pair.reference),
-                           std::move(pair.floor)};
+                           std::move(pair.floor), pair.place};
   };
   return {count, load, std::move(names)};
 }

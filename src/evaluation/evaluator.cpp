@@ -53,7 +53,10 @@ Image picture_of(const Method& method, const EvaluationFrame& frame, std::option
   if (method.read) {
     const auto noted = method.seconds.find(frame.name);
     if (noted != method.seconds.end()) seconds = noted->second;
-    return method.read(frame.name, frame.reference.width, frame.reference.height);
+    PicturePlace place = frame.place;
+    place.width = frame.frame.width;
+    place.height = frame.frame.height;
+    return method.read(frame.name, place);
   }
   const auto start = std::chrono::steady_clock::now();
   Image denoised = method.denoise(frame.frame);

@@ -17,6 +17,7 @@ struct EvaluationFrame {
   Frame frame;                // sanitised
   Image reference;            // [3, H, W], linear, of the frame's size
   ReferenceFloor floor = {};  // of the reference
+  PicturePlace place = {};    // of the samples, where they come from a file
 };
 
 /// Frames that are loaded when they are needed, each twice: once to choose the blur, once to score.

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/json_text.h"
+#include "core/log.h"
 #include "frame/exr_reader.h"
 
 namespace ld {
@@ -23,12 +24,15 @@ std::string advice(const fs::path& folder, const std::string& frame) {
   return "expected one OpenEXR file for each frame, named after it";
 }
 
-Image read_picture(const fs::path& path, int width, int height) {
+Image read_picture(const fs::path& path, const std::string& frame, const PicturePlace& place) {
   const ExrReader exr(path);
-  if (exr.width(0) != width || exr.height(0) != height)
-    fail("{} is {}x{}, the frame {}x{}; denoise the frame at its own size", path.string(), exr.width(0),
-         exr.height(0), width, height);
-  return read_rgb(exr);
+  const PicturePlace own = place_of(exr, picture_part(exr));
+  if (!same_colours(own, place))
+    spdlog::warn(
+        "{}: its chromaticities are others than the frame's; nothing was converted, so its scores are "
+        "doubtful",
+        path.string());
+  return cut_to(read_rgb(exr), own, path.string(), place, "'" + frame + "'");
 }
 
 std::map<std::string, double> read_seconds(const fs::path& path) {
@@ -57,8 +61,8 @@ Method image_folder_method(const std::string& name, const fs::path& folder,
   Method method;
   method.name = name;
   method.seconds = read_seconds(folder / "cost.json");
-  method.read = [folder](const std::string& frame, int width, int height) {
-    return read_picture(picture_path(folder, frame), width, height);
+  method.read = [folder](const std::string& frame, const PicturePlace& place) {
+    return read_picture(picture_path(folder, frame), frame, place);
   };
   return method;
 }

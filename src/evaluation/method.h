@@ -8,6 +8,7 @@
 
 #include "evaluation/scores.h"
 #include "frame/frame.h"
+#include "frame/picture_place.h"
 
 namespace ld {
 
@@ -15,8 +16,8 @@ struct Method {
   std::string name;
   std::function<Image(const Frame&)> denoise;  // linear radiance [3, H, W] of the frame's size
   MethodCost cost = {};
-  /// Instead of `denoise`: the picture that another program made of the frame of this name and size.
-  std::function<Image(const std::string& frame, int width, int height)> read = {};
+  /// Instead of `denoise`: the picture that another program made of the frame of this name, cut to its place.
+  std::function<Image(const std::string& frame, const PicturePlace& place)> read = {};
   std::map<std::string, double> seconds = {};  // what that program noted for each frame
 };
 

@@ -68,7 +68,12 @@ class ExrReader {
   std::unique_ptr<Imf::MultiPartInputFile> file_;
 };
 
-/// R, G, B of the first part as they stand there. Throws Error when one is missing or the file is damaged.
+/// The part that holds a file's picture: the only one with R, G and B, else the one that is called like a
+/// picture (mean, denoised, C, beauty, ...): renderers write normals and other guides as R, G and B, too.
+/// Samples are no pictures. Throws Error where there is none and where several may be it.
+int picture_part(const ExrReader& exr);
+
+/// R, G, B of that part as they stand there. Throws Error when the file is damaged.
 Image read_rgb(const ExrReader& exr);
 
 }  // namespace ld

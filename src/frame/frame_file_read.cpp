@@ -125,9 +125,9 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   const FrameHeader header = header_of(exr, parts);
   if (header.spp == 0)
     fail(
-        "{}: no samples (parts s000, s001, ...), only means: its first part holds {}; render with samples "
-        "kept, or use a "
-        "pixel network, which needs means only",
+        "{}: no samples (parts s000, s001, ...): its first part holds {}; if it is one of several renders of "
+        "the same picture, each "
+        "with a seed of its own, give them all with --preset or --mapping; else render so",
         exr.path(), exr.channel_list(0));
   require_samples(exr.path(), header.spp, samples);
   if (samples > 0) parts.resize(static_cast<size_t>(samples));

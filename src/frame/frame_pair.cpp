@@ -13,12 +13,10 @@ FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFra
   FramePair pair;
   pair.frame = read_frame(path, features, pair.faults, samples);
   pair.reference = read_image(reference, &pair.bad_reference_values, &pair.floor);
-  if (pair.frame.width != pair.reference.width || pair.frame.height != pair.reference.height)
-    fail(
-        "{} is {}x{} but its reference {} is {}x{}; both must show the same picture: render one of them "
-        "again",
-        path.string(), pair.frame.width, pair.frame.height, reference.string(), pair.reference.width,
-        pair.reference.height);
+  pair.place = read_place(path);
+  const PicturePlace own = read_place(reference);
+  pair.reference = cut_to(pair.reference, own, reference.string(), pair.place, path.string());
+  pair.other_colours = !same_colours(pair.place, own);
   // After the complaints above, which say more than that a checksum differs.
   verify_frame(folder, entry);
   return pair;
@@ -38,6 +36,11 @@ void warn_about_faults(const std::filesystem::path& path, const Faults& faults) 
 void warn_about_faults(const std::filesystem::path& folder, const ManifestFrame& entry,
                        const FramePair& pair) {
   warn_about_faults(frame_path(folder, entry.name), pair.faults);
+  if (pair.other_colours)
+    spdlog::warn(
+        "{}: its chromaticities are others than its samples'; nothing was converted, so scores against it "
+        "are doubtful",
+        reference_path(folder, entry.name).string());
   if (pair.bad_reference_values > 0)
     spdlog::warn(
         "{}: {} NaN, infinite or negative values set to 0; losses and scores against it are doubtful",

@@ -7,6 +7,7 @@
 
 #include "frame/frame.h"
 #include "frame/manifest.h"
+#include "frame/picture_place.h"
 
 namespace ld {
 
@@ -16,10 +17,13 @@ struct FramePair {
   ReferenceFloor floor;              // of the reference
   Faults faults;                     // of the frame
   int64_t bad_reference_values = 0;  // NaN, infinite or negative ones, set to 0
+  PicturePlace place;                // of the samples; the reference was cut to it
+  bool other_colours = false;        // the reference's chromaticities are not the samples'
 };
 
 /// Of the frame only the first `samples` samples; 0: all. Throws Error: a missing or damaged file, a missing
-/// feature, too few samples, sizes that differ, a checksum that does not match.
+/// feature, too few samples, a reference that does not show the frame (cut_to), a checksum that does not
+/// match.
 FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFrame& entry,
                           const std::vector<std::string>& features, int samples = 0);
 

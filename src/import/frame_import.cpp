@@ -1,10 +1,12 @@
 #include "import/frame_import.h"
 
+#include <ImfChannelList.h>
 #include <ImfStringAttribute.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/checksum.h"
 #include "core/error.h"
@@ -77,6 +79,24 @@ std::vector<std::string> feature_list(const SourceSample& sample) {
   std::vector<std::string> names;
   for (const SourceFeature& feature : sample.features) names.push_back(feature.mapping->feature);
   return names;
+}
+
+std::vector<std::string> unused_channels(const ExrReader& exr, const std::vector<SourceSample>& samples) {
+  std::set<std::pair<int, std::string>> used;
+  for (const SourceSample& sample : samples) {
+    for (const SourceFeature& feature : sample.features)
+      for (const SourceChannel& channel : feature.channels) used.insert({channel.part, channel.name});
+    for (const SourceChannel& channel : sample.alpha.channels) used.insert({channel.part, channel.name});
+  }
+  std::vector<std::string> unused;
+  for (int part = 0; part < exr.parts(); ++part) {
+    const Imf::ChannelList& channels = exr.header(part).channels();
+    for (auto it = channels.begin(); it != channels.end(); ++it)
+      if (used.count({part, it.name()}) == 0)
+        unused.push_back(exr.parts() > 1 ? fmt::format("{} of part '{}'", it.name(), exr.part_name(part))
+                                         : it.name());
+  }
+  return unused;
 }
 
 std::string generator_of(const ExrReader& exr, const ImportMapping& mapping) {
@@ -161,6 +181,7 @@ class FrameBuilder {
     if (!camera_)
       for (int part = 0; part < exr.parts() && !camera_; ++part)
         camera_ = camera_of(exr.header(part), exr.path());
+    result_.unused = unused_channels(exr, plan_samples(exr, mapping_, Wanted::all));
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
     converter_.emplace(extent_.width, extent_.height, extent_.windows, camera_);

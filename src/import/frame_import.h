@@ -18,6 +18,7 @@ struct ImportedFrame {
   ConversionCounts counts;
   std::vector<std::string> repeated;  // features that are the same in all samples (per_sample: false)
   std::vector<std::string> notes;     // what users should know, a line each
+  std::vector<std::string> unused;    // channels of the first file that no feature took, with their parts
 };
 
 /// The samples of all files, in the order of the files and in each of their numbers. `camera` may be empty;

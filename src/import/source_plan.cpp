@@ -73,12 +73,11 @@ std::vector<Found> find_feature_channels(const ExrReader& exr, const ImportMappi
   if (there == 0) return {};
   for (size_t c = 0; c < components.size(); ++c)
     if (components[c].empty())
-      fail(
-          "{}: {} needs the channels {}, but nothing fits '{}'; write that channel, or leave the feature out "
-          "with "
-          "--set {}.channels=[]",
-          exr.path(), feature.feature, fmt::join(feature.channels, ", "), feature.channels[c],
-          feature.feature);
+      fail("{}: {} needs the channels {}, but nothing fits '{}'; write that channel, {}", exr.path(),
+           feature.feature, fmt::join(feature.channels, ", "), feature.channels[c],
+           feature.feature == "radiance"
+               ? "or say which ones are radiance with another --preset or --mapping"
+               : fmt::format("or leave the feature out with --set {}.channels=[]", feature.feature));
   return components;
 }
 

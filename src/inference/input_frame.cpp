@@ -52,9 +52,16 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
   for (const std::string& feature : features)
     if (!imported.frame.holds(feature))
       fail(
-          "{}: the renders hold {}, but not the feature '{}' that the model reads; render it, or use a model "
+          "{}: the renders hold {}, but not the feature '{}' that the model reads; {}render it, or use a "
+          "model "
           "whose `features` leave '{}' out",
-          files[0].string(), fmt::join(imported.frame.features, ", "), feature, feature);
+          files[0].string(), fmt::join(imported.frame.features, ", "), feature,
+          imported.unused.empty()
+              ? ""
+              : fmt::format("if one of the channels that no feature took ({}) holds it, say so with "
+                            "--set {}.channels=[...]; else ",
+                            fmt::join(imported.unused, ", "), feature),
+          feature);
   InputFrame input{std::move(imported.frame), imported.faults, imported.notes, {}};
   input.original = original_of_render(files[0], *render.mapping, input.frame);
   if (!imported.repeated.empty())

@@ -146,7 +146,7 @@ TEST(Augmentation, DifficultyPrefersTheNoisyHalf) {
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < 32; ++y)
       for (int x = 32; x < 64; ++x) reference.at(c, x, y) += 1;
-  const PackedFrame noisy = pack({frame, reference, {}, 0}, frame.features), calm = pack(frame);
+  const PackedFrame noisy = pack(frame, reference, frame.features), calm = pack(frame);
   const auto right_half = [&](const PackedFrame& packed, int candidates) {
     int count = 0;
     for (uint32_t i = 0; i < 1000; ++i) {

@@ -247,7 +247,7 @@ TEST(PackedFrame, DifficultyIsTheSmapeOfTheMean) {
   for (int s = 0; s < 2; ++s) std::fill_n(frame.plane(s, 0), 3 * 51, s == 0 ? 1.0F : 3.0F);
   Image reference(17, 3, 3);
   std::fill(reference.pixels.begin(), reference.pixels.end(), 1.0F);
-  const PackedFrame packed = pack({frame, reference, {}, 0}, {"radiance"});
+  const PackedFrame packed = pack(frame, reference, {"radiance"});
   EXPECT_NEAR(packed.difficulty[0], 1 / 3.01, 1e-6);
   EXPECT_NEAR(packed.difficulty[1], 1 / 3.01, 1e-6);
   // 15 columns of the first tile and 1 of the second.

@@ -148,7 +148,7 @@ TEST(ForeignExr, ComplainsOfWhatIsMissingByName) {
   EXPECT_ERROR(read_required(path), "part 's000': no channel 'B'");
   write_foreign(path, {{"mean", {"R", "G", "B"}}});
   EXPECT_EQ(read_frame_header(path).spp, 0);
-  EXPECT_ERROR(read_required(path), "use a pixel network");
+  EXPECT_ERROR(read_required(path), "give them all with --preset or --mapping");
   write_foreign(path, {{"s000", {"R", "G", "B"}}, {"s002", {"R", "G", "B"}}});
   EXPECT_ERROR(read_required(path), "no part 's001', but 's002'");
   write_foreign(path, {{"s000", {"R", "G", "B"}}, {"s001", {"R", "G", "B"}, 4}});

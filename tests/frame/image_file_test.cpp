@@ -9,6 +9,7 @@
 #include "core/tone_map.h"
 #include "frame/frame_file.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/exr_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace ld {
@@ -114,6 +115,28 @@ TEST(ImageFile, TheSameImageGivesTheSameBytes) {
     }
 }
 
+TEST(ImageFile, ThePictureIsLookedForByTheNamesOfParts) {
+  const TemporaryFolder folder;
+  const Imath::Box2i window({0, 0}, {2, 1});
+  const auto part = [&](const std::string& name, float value) {
+    return TestPart{
+        name, window, {{"R", everywhere(value)}, {"G", everywhere(value)}, {"B", everywhere(value)}}};
+  };
+  const auto read = [&](const std::vector<TestPart>& parts) {
+    write_exr_parts(folder / "parts.exr", window, parts);
+    return read_image(folder / "parts.exr").pixels[0];
+  };
+  EXPECT_EQ(read({part("N", 1), part("albedo", 2), part("C", 3)}), 3.0F);                // Houdini
+  EXPECT_EQ(read({part("ViewLayer.DiffCol", 1), part("ViewLayer.Combined", 2)}), 2.0F);  // Blender 5
+  EXPECT_EQ(read({part("s000", 1), part("mean", 2)}), 2.0F);
+  EXPECT_EQ(read({part("whatever", 4)}), 4.0F);
+  EXPECT_EQ(read({TestPart{"depth", window, {{"Z", everywhere(1)}}}, part("some.pass", 5)}), 5.0F);
+  EXPECT_ERROR(read({part("N", 1), part("albedo", 2)}),
+               "several parts may be the picture ('N', 'albedo'); call that part 'beauty'");
+  EXPECT_ERROR(read({part("beauty", 1), part("RGBA", 2)}), "several parts may be the picture");
+  EXPECT_ERROR(read({part("s000", 1), part("s001", 2)}), "no part has the channels R, G and B");
+}
+
 TEST(ImageFile, Complaints) {
   const TemporaryFolder folder;
   EXPECT_ERROR(write_image(folder / "image.jpg", ramp(2, 2, 3)), "unknown extension '.jpg'");
@@ -121,7 +144,7 @@ TEST(ImageFile, Complaints) {
   EXPECT_ERROR(write_image(folder / "image.exr", Image()), "0 x 0");
   EXPECT_ERROR(read_image(folder / "image.exr"), "no such file");
   write_image(folder / "grey.exr", ramp(2, 2, 1));
-  EXPECT_ERROR(read_image(folder / "grey.exr"), "no channel 'R'; found Y");
+  EXPECT_ERROR(read_image(folder / "grey.exr"), "no part has the channels R, G and B; found Y");
 }
 
 }  // namespace

@@ -41,9 +41,16 @@ inline CropOfFrame crop_of(const PackedFrame& packed, const Augmentation& a) {
   return crop;
 }
 
+inline PackedFrame pack(const Frame& frame, const Image& reference, const std::vector<std::string>& features) {
+  FramePair pair;
+  pair.frame = frame;
+  pair.reference = reference;
+  return pack(pair, features);
+}
+
 /// A frame packed with its mean as the reference.
 inline PackedFrame pack(const Frame& frame) {
-  return pack({frame, mean_radiance(frame), {}, 0}, frame.features);
+  return pack(frame, mean_radiance(frame), frame.features);
 }
 
 }  // namespace ld
