@@ -33,8 +33,12 @@ int main(int argc, char** argv) {
 
     if (trainer.total_steps() == 0) return;  // stopped before anything began
     const ld::TrainingState& state = trainer.state();
-    spdlog::info("{} of {} steps done; best validation loss {:.4f} at step {}; weights in {}/checkpoints",
-                 state.step, trainer.total_steps(), state.best_score, state.best_step, run);
+    const std::string best =
+        std::isfinite(state.best_score)
+            ? fmt::format("best validation loss {:.4f} at step {}", state.best_score, state.best_step)
+            : "no validation yet";
+    spdlog::info("{} of {} steps done; {}; weights in {}/checkpoints", state.step, trainer.total_steps(),
+                 best, run);
     if (!group->is_root()) return;
     if (state.rollbacks > 0)
       spdlog::warn(

@@ -232,10 +232,11 @@ std::vector<ManifestFrame> frames_of_split(const fs::path& folder, const std::st
   std::string found;
   for (const auto& [name, count] : counts)
     found += fmt::format("{}{} ({})", found.empty() ? "" : ", ", name, count);
-  fail(
+  if (found.empty()) fail("{}: no frames at all; render some, or add them with ld_import", folder.string());
+  fail_usage(
       "{}: no frames of the split '{}'; it has {}; render more frames or change their splits in "
       "manifest.json",
-      folder.string(), split, found.empty() ? "no frames at all" : found);
+      folder.string(), split, found);
 }
 
 void verify_frame(const fs::path& folder, const ManifestFrame& frame) {

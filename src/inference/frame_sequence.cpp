@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/file_identity.h"
+#include "core/shown_text.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -111,7 +112,7 @@ FrameRange parse_frame_range(const std::string& text) {
   const auto [stop, last_error] = std::from_chars(good ? colon + 1 : end, end, range.last);
   if (!good || last_error != std::errc() || stop != end || range.first < -kMostFrames ||
       range.last > kMostFrames || range.last <= range.first || range.last - range.first > 10'000'000)
-    fail_usage("'{}' is no range of frames; expected A:B, which means frames A to B - 1", text);
+    fail_usage("'{}' is no range of frames; expected A:B, which means frames A to B - 1", shown(text));
   return range;
 }
 
@@ -150,6 +151,10 @@ std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, c
        (tasks.size() > 1 || (numbered && target.after.empty() && fs::path(output).extension().empty())));
   if (target.digits > 0 && (!numbered || (!samples_of_one && patterns.size() > 1)))
     fail_usage("the output '{}' has #### but the inputs are not one numbered sequence; expected a folder",
+               output);
+  // A folder called x.exr is hardly what was meant.
+  if (folder && !fs::is_directory(output) && output.back() != '/' && fs::path(output).has_extension())
+    fail_usage("{} pictures for one output '{}'; expected a folder, or #### in the name", tasks.size(),
                output);
   for (size_t i = 0; i < tasks.size(); ++i) {
     if (target.digits > 0)

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "core/error.h"
+#include "core/shown_text.h"
 #include "render/scene_file.h"
 
 namespace ld {
@@ -41,7 +42,7 @@ int64_t parse_bound(const std::string& text, const std::string& whole) {
   int64_t value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || stop != text.data() + text.size())
-    fail_usage("--frames {}: expected A:B, two frame numbers like 0:16 (16 not included)", whole);
+    fail_usage("--frames {}: expected A:B, two frame numbers like 0:16 (16 not included)", shown(whole));
   return value;
 }
 
@@ -126,14 +127,14 @@ std::pair<int64_t, int64_t> parse_frame_range(const std::string& text, int64_t f
   if (text.empty()) return {0, frame_count};
   const size_t colon = text.find(':');
   if (colon == std::string::npos)
-    fail_usage("--frames {}: expected A:B, two frame numbers like 0:16 (16 not included)", text);
+    fail_usage("--frames {}: expected A:B, two frame numbers like 0:16 (16 not included)", shown(text));
   const std::string low = text.substr(0, colon), high = text.substr(colon + 1);
   const int64_t begin = low.empty() ? 0 : parse_bound(low, text);
   const int64_t end = high.empty() ? frame_count : parse_bound(high, text);
   if (begin < 0 || begin >= end || end > frame_count)
     fail_usage(
         "--frames {}: expected a range that is not empty and lies within 0:{}, the frames of the recipe",
-        text, frame_count);
+        shown(text), frame_count);
   return {begin, end};
 }
 

@@ -153,7 +153,7 @@ TEST_F(LdEval, WrongCommandLinesExitWithTwoAndWriteNothing) {
 
 TEST_F(LdEval, MissingThingsExitWithOneAndAreNamed) {
   expect_failure(run({"--model", "layer=" + path("nowhere.safetensors")}), 1, {"nowhere.safetensors"});
-  expect_failure(run({"--split", "holiday"}), 1, {"holiday", "data", "train"});
+  expect_failure(run({"--split", "holiday"}), 2, {"holiday", "data", "train"});
   fs::remove(folder_ / "data" / "frame_4.reference.exr");
   expect_failure(run(), 1, {"frame_4.reference.exr"});
   EXPECT_FALSE(fs::exists(folder_ / "out" / "metrics.json"));

@@ -65,6 +65,7 @@ TEST_F(FrameSequence, SeveralInputsAreSeveralPicturesOrTheSamplesOfOne) {
   const auto pictures = plan({"a.0007.exr", "a.0008.exr"}, "out");
   ASSERT_EQ(pictures.size(), 2u);
   EXPECT_EQ(pictures[1].output, in("out/a.0008.exr"));
+  EXPECT_ERROR(plan({"a.0007.exr", "a.0008.exr"}, "out.exr"), "2 pictures for one output");
   const auto one = plan({"a.0007.exr", "a.0008.exr"}, "out.exr", {}, true);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].inputs.size(), 2u);
