@@ -21,6 +21,6 @@ build/bin/ld_export --model $out/run --format safetensors --out $out/quick.safet
 frame=$(ls $out/data/frame_*.exr | grep -v reference | tail -n 1)
 build/bin/ld_denoise --model $out/quick.safetensors "$frame" --output $out/denoised.exr
 step "6/6 Evaluate on the test split, beside released weights that were trained for longer on other scenes"
-build/bin/ld_eval --data $out/data --model layer=$out/quick.safetensors --model released=models/pretrained/common_fast.safetensors \
+build/bin/ld_eval --data $out/data --model layer=$out/quick.safetensors --model released=models/pretrained/common_fine.safetensors \
   --out $out/eval --json $out/metrics.json
 step "Done: table in $out/metrics.json, comparison strips in $out/eval/, weights in $out/quick.safetensors"
