@@ -14,14 +14,8 @@
 #   CHANGE    words for ld_train on top, such as network.logit_bound=0; they go with runs of their own: give them an OUT of their own
 #   JOBS      trainings at a time, one thread each (default 1)
 #   BIN       default build/bin
-set -euo pipefail
-cd "$(dirname "$0")/.."
-if [ $# -ne 2 ]; then
-  echo "usage: scripts/collapse_study.sh DATA OUT" >&2
-  exit 2
-fi
-data=$1 out=$2 steps=${STEPS:-200} jobs=${JOBS:-1}
-. scripts/studies.sh
+. "$(dirname "$0")/studies.sh"
+steps=${STEPS:-200}
 read -ra change <<< "${CHANGE:-}"
 
 mkdir -p "$out"

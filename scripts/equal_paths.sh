@@ -13,15 +13,9 @@
 #   STEPS       of each training (default 600)
 #   JOBS        trainings at a time, one thread each (default 1)
 #   BIN         default build/bin
-set -euo pipefail
-cd "$(dirname "$0")/.."
-if [ $# -ne 2 ]; then
-  echo "usage: scripts/equal_paths.sh DATA OUT" >&2
-  exit 2
-fi
-data=$1 out=$2 steps=${STEPS:-600} jobs=${JOBS:-1}
+. "$(dirname "$0")/studies.sh"
+steps=${STEPS:-600}
 budgets=${BUDGETS:-1 2 4} references=${REFERENCES:-16 128 4096} losses=${LOSSES:-smape relative_l2}
-. scripts/studies.sh
 frames() { echo $(($1 * (8 + 4096) / (8 + $2))); } # BUDGET REFERENCE
 
 for reference in $references; do

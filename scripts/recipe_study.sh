@@ -11,14 +11,8 @@
 #   CHANGES  default: all of those below
 #   JOBS     trainings at a time, one thread each (default 1)
 #   BIN      default build/bin
-set -euo pipefail
-cd "$(dirname "$0")/.."
-if [ $# -ne 2 ]; then
-  echo "usage: scripts/recipe_study.sh DATA OUT" >&2
-  exit 2
-fi
-data=$1 out=$2 minutes=${MINUTES:-5} seeds=${SEEDS:-1 2 3} jobs=${JOBS:-1}
-. scripts/studies.sh
+. "$(dirname "$0")/studies.sh"
+minutes=${MINUTES:-5} seeds=${SEEDS:-1 2 3}
 
 # The base is configs/quick.yaml. "without" changes take one of its settings back to the paper's.
 arguments() {

@@ -10,15 +10,9 @@
 #   SAMPLES  default "1 2 4 8 16"
 #   JOBS     trainings at a time, one thread each (default 1)
 #   BIN      default build/bin
-set -euo pipefail
-cd "$(dirname "$0")/.."
-if [ $# -ne 2 ]; then
-  echo "usage: scripts/sample_counts.sh DATA OUT" >&2
-  exit 2
-fi
-data=$1 out=$2 steps=${STEPS:-2000} config=${CONFIG:-configs/common_fast.yaml} jobs=${JOBS:-1}
+. "$(dirname "$0")/studies.sh"
+steps=${STEPS:-2000} config=${CONFIG:-configs/common_fast.yaml}
 counts=${SAMPLES:-1 2 4 8 16}
-. scripts/studies.sh
 
 train_for() { # NAME LEAST MOST VALIDATION
   train "$1" --config "$config" "data.path=$data" "data.samples=[$2, $3]" "data.validation_samples=$4" "steps=$steps"

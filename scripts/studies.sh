@@ -1,7 +1,13 @@
-# Sourced by the studies (recipe_study.sh, collapse_study.sh, equal_paths.sh, sample_counts.sh, tradeoff.sh): trainings of one thread each,
-# so many at a time. Finished runs are kept, one that was cut off goes on. The study says where ($out) and how many ($jobs).
+# Sourced by the studies, which take DATA and OUT (recipe_study.sh, collapse_study.sh, equal_paths.sh, sample_counts.sh, tradeoff.sh): sets $data,
+# $out, $bin and $jobs, and trains, one thread each, so many at a time. Finished runs are kept, one that was cut off goes on.
 # shellcheck shell=bash
-bin=${BIN:-build/bin}
+set -euo pipefail
+cd "$(dirname "$0")/.."
+if [ $# -ne 2 ]; then
+  echo "usage: scripts/$(basename "$0") DATA OUT" >&2
+  exit 2
+fi
+data=$1 out=$2 bin=${BIN:-build/bin} jobs=${JOBS:-1}
 export OMP_WAIT_POLICY=passive
 
 train_now() { # RUN WORDS...

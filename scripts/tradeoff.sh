@@ -10,14 +10,8 @@
 #   VARIANTS  default: all of those below; pixel_splat_l2 and optimized_l2 are understood too
 #   JOBS      trainings at a time, one thread each: small networks gain little from a second (default: the CPUs of this process)
 #   BIN       default build/bin
-set -euo pipefail
-cd "$(dirname "$0")/.."
-if [ $# -ne 2 ]; then
-  echo "usage: scripts/tradeoff.sh DATA OUT" >&2
-  exit 2
-fi
-data=$1 out=$2 steps=${STEPS:-600} jobs=${JOBS:-$(nproc)}
-. scripts/studies.sh
+. "$(dirname "$0")/studies.sh"
+steps=${STEPS:-600} jobs=${JOBS:-$(nproc)}
 all="layer layer_weighted layer_3 layer_4 layer_5 optimized pixel_gather pixel_splat sample_splat"
 all="$all layer_l2 pixel_gather_l2 sample_splat_l2"  # those of the paper's Table 5
 variants=${VARIANTS:-$all}

@@ -53,8 +53,9 @@ Evidence read_files(const fs::path& frame_file, const fs::path& reference_file, 
   if (reference_needed || fs::exists(reference_file)) {
     evidence.reference = read_image(reference_file, &evidence.bad_reference_values);
     evidence.reference_checksum = file_checksum(reference_file);
-    evidence.reference = cut_to(*evidence.reference, read_place(reference_file), reference_file.string(),
-                                read_place(frame_file), frame_file.string());
+    const ExrReader picture(reference_file);  // not read_place(): a reference may hold samples, too
+    evidence.reference = cut_to(*evidence.reference, place_of(picture, picture_part(picture)),
+                                reference_file.string(), read_place(frame_file), frame_file.string());
   }
   complete(evidence);
   return evidence;

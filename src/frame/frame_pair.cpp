@@ -14,7 +14,8 @@ FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFra
   pair.frame = read_frame(path, features, pair.faults, samples);
   pair.reference = read_image(reference, &pair.bad_reference_values, &pair.floor);
   pair.place = read_place(path);
-  const PicturePlace own = read_place(reference);
+  const ExrReader picture(reference);  // not read_place(): a reference may hold samples, too
+  const PicturePlace own = place_of(picture, picture_part(picture));
   pair.reference = cut_to(pair.reference, own, reference.string(), pair.place, path.string());
   pair.other_colours = !same_colours(pair.place, own);
   // After the complaints above, which say more than that a checksum differs.

@@ -8,6 +8,7 @@
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
 #include "test_frames.h"
+#include "tests/support/exr_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace ld {
@@ -82,6 +83,20 @@ TEST_F(DataSetOnDisk, AReferenceOfAnotherSizeNamesBothFilesAndSizes) {
   for (const std::string part :
        {"frame_1.exr 12x9 pixels", "frame_1.reference.exr is 11x9 pixels", "of another display window"})
     EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+// As when somebody takes a frame of many samples for the reference.
+TEST_F(DataSetOnDisk, AReferenceThatHoldsSamplesIsReadByItsPicture) {
+  const Imath::Box2i picture({0, 0}, {11, 8}), samples({3, 3}, {6, 6});
+  const auto part = [](const std::string& name, const Imath::Box2i& window, float value) {
+    return TestPart{
+        name, window, {{"R", everywhere(value)}, {"G", everywhere(value)}, {"B", everywhere(value)}}};
+  };
+  write_exr_parts(reference_path(folder_.path(), "frame_1"), picture,
+                  {part("mean", picture, 0.5F), part("s000", samples, 7)});
+  const EvaluationFrame frame = open_frame_set(folder_.path(), "test", {"radiance"}, 0).load(1);
+  EXPECT_EQ(frame.reference.width, 12);
+  EXPECT_EQ(frame.reference.at(1, 11, 8), 0.5F);
 }
 
 TEST_F(DataSetOnDisk, MissingThingsAreNamed) {
