@@ -18,7 +18,7 @@ namespace ld {
 
 struct TrainingSetOptions {
   AugmentationOptions augmentation;
-  SampleRange samples;  // how many of a frame's samples a batch uses (dataset/sample_draw.h)
+  SampleRange samples;                // how many of a frame's samples a batch uses (dataset/sample_draw.h)
   std::vector<std::string> optional;  // features that crops may lack, each in a share `drop` of them
   double drop = 0;
   int64_t batch = 4;

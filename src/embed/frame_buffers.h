@@ -23,8 +23,8 @@ class FrameBuffers {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// A frame with those of `features` that were set, sanitised. Throws UsageError when a required one was not,
-  /// naming it.
+  /// A frame with those of `features` that were set, sanitised. Throws UsageError when a required one was
+  /// not, naming it.
   Frame gather(const std::vector<std::string>& features, const std::vector<std::string>& required) const;
 
  private:

@@ -96,8 +96,9 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
     stores.push_back(
         {std::make_unique<FrameStore>(set.path, "train", config.network.features, cache), set.weight});
   TrainingSetOptions options;
-  options.augmentation = {static_cast<int>(data.crop), data.flips, data.rotations,
-                          static_cast<int>(data.difficulty), static_cast<float>(data.exposure), data.colours};
+  options.augmentation = {
+      static_cast<int>(data.crop),       data.flips,  data.rotations, static_cast<int>(data.difficulty),
+      static_cast<float>(data.exposure), data.colours};
   options.samples = sample_range(data);
   options.drop = data.drop;
   options.optional = config.network.optional;

@@ -30,7 +30,8 @@ NetworkInput full_input(const NetworkConfig& config, int64_t samples, int64_t h,
 
 /// Products of matrices with another number of rows may round otherwise in the last bit.
 void expect_same_but_for_rounding(const Tensor& found, const Tensor& expected, const std::string& where) {
-  EXPECT_TRUE(found.allclose(expected, /*rtol=*/1e-5, /*atol=*/1e-6)) << where << ", off by " << (found - expected).abs().max();
+  EXPECT_TRUE(found.allclose(expected, /*rtol=*/1e-5, /*atol=*/1e-6))
+      << where << ", off by " << (found - expected).abs().max();
 }
 
 TEST(NetworkInput, AMaskedSampleIsLikeOneThatWasRemoved) {
@@ -39,7 +40,8 @@ TEST(NetworkInput, AMaskedSampleIsLikeOneThatWasRemoved) {
     NetworkInput input = random_input(config, 1, 4, 6, 7, torch::kFloat32);
     input.features = random_normal(input.features.sizes(), 5).to(torch::kFloat32);
     input.valid.select(1, 2).zero_();  // its features and radiance keep their values: the mask alone must do
-    expect_same_but_for_rounding(network->forward(input), network->forward(select_samples(input, {0, 1, 3})), title(config));
+    expect_same_but_for_rounding(network->forward(input), network->forward(select_samples(input, {0, 1, 3})),
+                                 title(config));
   }
 }
 
@@ -53,8 +55,9 @@ TEST(NetworkInput, ABadSampleIsLikeOneThatWasRemoved) {
         EXPECT_EQ(network->faults().not_finite, 0);
         Tensor& channels = in_features ? input.features : input.radiance;
         channels.select(1, 1).select(1, 2).fill_(bad);  // one channel of every pixel's sample 1
-        expect_same_but_for_rounding(network->forward(input), expected,
-                                     title(config) + " " + std::to_string(bad) + (in_features ? " in features" : " in radiance"));
+        expect_same_but_for_rounding(
+            network->forward(input), expected,
+            title(config) + " " + std::to_string(bad) + (in_features ? " in features" : " in radiance"));
         EXPECT_EQ(network->faults().not_finite, 6 * 7);
         EXPECT_EQ(network->faults().negative, 0);
         EXPECT_EQ(network->faults().clamped, 0);

@@ -41,7 +41,8 @@ inline CropOfFrame crop_of(const PackedFrame& packed, const Augmentation& a) {
   return crop;
 }
 
-inline PackedFrame pack(const Frame& frame, const Image& reference, const std::vector<std::string>& features) {
+inline PackedFrame pack(const Frame& frame, const Image& reference,
+                        const std::vector<std::string>& features) {
   FramePair pair;
   pair.frame = frame;
   pair.reference = reference;
