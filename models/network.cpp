@@ -72,6 +72,12 @@ void check_use(const NetworkConfig& config) {
   if (config.rejection && config.name == "pixel_gather")
     fail_usage(
         "network.rejection is true, but network 'pixel_gather' weighs what it receives anyway; leave it out");
+  if (config.means && config.name != "pixel_gather" && config.name != "pixel_splat")
+    fail_usage(
+        "network.means is true, but network '{}' works on samples; use 'pixel_gather' or 'pixel_splat', or "
+        "leave "
+        "it out",
+        config.name);
   if (network.has_levels && (config.levels < 1 || config.levels > UNet::resolutions(config.unet)))
     fail_usage("network.levels is {}, expected 1 to {}: the U-net has so many resolutions", config.levels,
                UNet::resolutions(config.unet));

@@ -53,6 +53,9 @@ struct NetworkConfig {
   /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
   /// (models/exposure.h): the result then scales with the radiance exactly.
   bool exposure_normalisation = false;
+  /// The network sees of each pixel the mean of its samples alone, so that an ordinary picture will do
+  /// (models/pixel_mean.h). Networks on pixels only.
+  bool means = false;
   std::string demodulation = "none";  // or "albedo" (models/demodulation.h)
   /// Kernel logits are kept within (-c, c) by c x / (c + |x|) (ops/fully_connected.h); 0: not bounded, as
   /// [MH20] has it. A kernel of one tap alone has no gradient left to learn from.
@@ -86,6 +89,7 @@ struct NetworkConfig {
     v.field("kernel_generator", kernel_generator, Range{1, 4096});
     v.section("unet", unet);
     v.field("exposure_normalisation", exposure_normalisation);
+    v.field("means", means);
     v.field("demodulation", demodulation, {"none", "albedo"});
     v.field("logit_bound", logit_bound, Range{0, 1000});
     v.field("rejection", rejection);

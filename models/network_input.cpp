@@ -6,6 +6,7 @@
 #include "frame/schema.h"
 #include "models/demodulation.h"
 #include "models/exposure.h"
+#include "models/pixel_mean.h"
 #include "models/row_strips.h"
 #include "ops/check.h"
 
@@ -115,6 +116,7 @@ NetworkInput AdmittedInput::rows(int64_t begin, int64_t end) const {
   faults_.not_finite += found.not_finite;
   faults_.negative += found.negative;
   faults_.clamped += found.clamped;
+  if (config_.means) strip = pixel_mean(std::move(strip), config_);
   if (exposure_.defined()) strip = with_exposure(std::move(strip), exposure_, config_);
   if (config_.demodulation != "none") {
     strip.demodulator = demodulator(strip.features, config_);

@@ -59,13 +59,15 @@ class WholeInput : public InputSource {
   NetworkInput input_;
 };
 
-/// A source as networks admit it: each strip checked and sanitised, its exposure normalised and its radiance
-/// demodulated where the configuration says so. `faults` receives what was wrong, each row counted once
-/// provided that rows are first asked for from top to bottom.
+/// A source as networks admit it: each strip checked and sanitised, its samples averaged, its exposure
+/// normalised and its radiance demodulated where the configuration says so. `faults` receives what was wrong,
+/// each row counted once provided that rows are first asked for from top to bottom.
 class AdmittedInput : public InputSource {
  public:
   /// Throws Error when there is no sample or pixel.
   AdmittedInput(const InputSource& source, const NetworkConfig& config, InputFaults& faults);
+  /// With NetworkConfig::means, rows() have one sample whatever this says: it is what the source holds at a
+  /// time.
   Sizes sizes() const override { return source_.sizes(); }
   NetworkInput rows(int64_t begin, int64_t end) const override;
 

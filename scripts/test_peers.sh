@@ -29,24 +29,26 @@ assert "quick" in text and "noisy" in text and "nan" not in text.lower(), "the t
 END
 }
 
-step "1/6 Blender Cycles: a .blend file to a data set, training, evaluation"
+step "1/7 Blender Cycles: a .blend file to a data set, training, evaluation"
 "$python" scripts/peers/blender_dataset.py --out $out/blender --frames 4 "${small[@]}"
 check $out/blender
 
-step "2/6 Mitsuba 3: a scene to a data set, training, evaluation"
+step "2/7 Mitsuba 3: a scene to a data set, training, evaluation"
 "$python" scripts/peers/mitsuba_dataset.py --out $out/mitsuba --views 4 "${small[@]}"
 check $out/mitsuba
 
-step "3/6 The renderers compared: small and noisy, so only a gross difference shows"
+step "3/7 The renderers compared: small and noisy, so only a gross difference shows"
 "$python" scripts/peers/compare_renderers.py --out $out/compare --size 48 --spp 256 --limit 5
-step "4/6 Exported networks in onnxruntime: every network of the registry, three sizes"
+step "4/7 Exported networks in onnxruntime: every network of the registry, three sizes"
 "$python" scripts/peers/check_onnx.py --out $out/onnx
 
-step "5/6 Open Image Denoise on the same frames, beside the network trained on them"
+step "5/7 Open Image Denoise on the same frames, beside the network trained on them"
 "$python" scripts/peers/oidn_denoise.py --data $out/blender --out $out/oidn --repeats 1
 build/bin/ld_bench tradeoff --data $out/blender --model "quick=$out/blender.run" --images "oidn=$out/oidn" --repeats 1 --out $out/tradeoff
 grep -q '^| oidn' $out/tradeoff/tradeoff.md
 
-step "6/6 Event files in TensorBoard's own reader"
+step "6/7 Event files in TensorBoard's own reader"
 "$python" scripts/peers/read_tensorboard.py $out/blender.run
-step "Done: data sets, comparisons, ONNX, Open Image Denoise and TensorBoard passed"
+step "7/7 The Blender extension: installed, a still, an animation, cancelled"
+"$python" scripts/peers/check_blender_extension.py --program build/bin/ld_denoise --out $out/extension | tail -n 1
+step "Done: data sets, comparisons, ONNX, Open Image Denoise and TensorBoard and the extension passed"

@@ -7,13 +7,16 @@
 #include "apps/app.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "import/recognise.h"
+#include "import/source_plan.h"
 #include "inference/denoise_job.h"
 #include "ops/runtime.h"
+#include "weights/released.h"
 
 namespace {
 
 struct Options {
-  std::string model, output, frames, preset, mapping, camera;
+  std::string model = "common", output, noisy, frames, preset, mapping, camera;
   std::vector<std::string> inputs, assignments, aovs, kernels_at;
   int64_t max_memory = 0;  // MB
   int samples = 0;
@@ -21,13 +24,20 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option("--model", o.model, "weights (.safetensors), checkpoint folder or run folder")->required();
-  app.add_option("inputs", o.inputs,
-                 "frames (EXR with sample parts); #### in a name stands for the number of a frame")
+  app.add_option(
+         "--model", o.model,
+         fmt::format("released weights ({}), a file of weights (.safetensors), checkpoint or run folder",
+                     fmt::join(ld::released_models(), ", ")))
+      ->capture_default_str();
+  app.add_option(
+         "inputs", o.inputs,
+         "frames, or one frame's renders of other programs; #### in a name stands for a frame's number")
       ->required();
   app.add_option("--output", o.output,
                  "picture to write (.exr, .png), with #### for a sequence; a folder for several inputs")
       ->required();
+  app.add_option("--noisy", o.noisy,
+                 "also write the mean of the samples, of a single picture, here (.exr, .png)");
   app.add_option("--frames", o.frames, "A:B denoises frames A to B - 1 (default: all that there are)");
   app.add_option("--samples", o.samples, "only the first so many samples of each frame (default: all)")
       ->check(CLI::Range(1, 4096));
@@ -43,7 +53,7 @@ void declare(CLI::App& app, Options& o) {
   ld::repeated(app.add_option("--kernel-at", o.kernels_at,
                               "X,Y: EXR parts with the kernels of that pixel; may be repeated"));
   app.add_option("--preset", o.preset,
-                 fmt::format("the inputs are samples of one frame, rendered by {}",
+                 fmt::format("who rendered them (default: told by their channels): {}",
                              fmt::join(ld::preset_names(), ", ")));
   app.add_option("--mapping", o.mapping, "YAML file instead of a preset, see docs/import.md");
   ld::repeated(app.add_option("--set", o.assignments,
@@ -52,16 +62,26 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--allow-identical", o.allow_identical, "let samples pass that are the same in every pixel");
 }
 
-ld::RenderInput render_input(const Options& o) {
+/// The preset that fits the first file; empty for frames, and where there is no file, which is complained of
+/// later.
+std::string recognised(const Options& o, const std::filesystem::path& first) {
+  if (first.empty()) return {};
+  const ld::ExrReader exr(first);
+  if (!ld::is_frame(exr)) return ld::recognise_preset(exr);
+  if (!o.camera.empty() || !o.assignments.empty() || o.allow_identical)
+    ld::fail_usage(
+        "--camera, --set and --allow-identical go with renders of other programs, but {} is a frame",
+        first.string());
+  return {};
+}
+
+ld::RenderInput render_input(const Options& o, const std::filesystem::path& first) {
   ld::RenderInput render;
   render.allow_identical = o.allow_identical;
-  if (o.preset.empty() && o.mapping.empty()) {
-    if (!o.camera.empty() || !o.assignments.empty() || o.allow_identical)
-      ld::fail_usage("--camera, --set and --allow-identical go with --preset or --mapping");
-    return render;
-  }
   if (!o.preset.empty() && !o.mapping.empty()) ld::fail_usage("expected either --preset or --mapping");
-  render.mapping = ld::read_mapping(o.preset, o.mapping, o.assignments);
+  render.preset = o.preset.empty() && o.mapping.empty() ? recognised(o, first) : o.preset;
+  if (render.preset.empty() && o.mapping.empty()) return render;
+  render.mapping = ld::read_mapping(render.preset, o.mapping, o.assignments);
   if (!o.camera.empty()) render.camera = ld::read_camera(o.camera);
   return render;
 }
@@ -74,17 +94,38 @@ std::pair<int, int> pixel_of(const std::string& text) {
   return {x, y};
 }
 
+/// "common" reads samples; where renders are one picture each, of which only the mean of the samples is
+/// known, "means" takes its place.
+std::string model_for(const Options& o, const ld::DenoiseJob& job, const std::filesystem::path& first) {
+  if (!job.render.mapping || first.empty()) return o.model;
+  const size_t files = job.tasks[0].inputs.size();
+  const size_t samples =
+      files > 1 ? files
+                : ld::plan_samples(ld::ExrReader(first), *job.render.mapping, ld::Wanted::picture).size();
+  if (!job.render.preset.empty() && o.preset.empty())
+    spdlog::info("{}: renders as preset {} has them, {}", first.string(), job.render.preset,
+                 samples > 1 ? fmt::format("{} samples of one frame", samples) : "one picture a frame");
+  if (samples > 1 || o.model != "common") return o.model;
+  spdlog::info(
+      "one picture a frame holds the mean of its samples: denoised with the model 'means'; files with one "
+      "sample each, of different seeds, tell more (docs/denoising.md)");
+  return "means";
+}
+
 ld::DenoiseJob job_of(const Options& o) {
   ld::DenoiseJob job;
-  job.model = o.model;
-  job.render = render_input(o);
   std::optional<ld::FrameRange> range;
   if (!o.frames.empty()) range = ld::parse_frame_range(o.frames);
-  job.tasks = ld::plan_sequence(o.inputs, o.output, range, job.render.mapping.has_value());
+  const std::vector<std::string> inputs = ld::expand_names(o.inputs);
+  const std::filesystem::path first = ld::first_file(inputs, range);
+  job.render = render_input(o, first);
+  job.tasks = ld::plan_sequence(inputs, o.output, range, job.render.mapping.has_value());
+  job.model = model_for(o, job, first);
   job.max_memory_bytes = o.max_memory << 20;
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;
+  job.noisy = o.noisy;
   const auto wants = [&](const char* part) { return std::count(o.aovs.begin(), o.aovs.end(), part) > 0; };
   job.layers = wants("layers");
   job.contributions = wants("contributions");
@@ -101,7 +142,8 @@ int main(int argc, char** argv) {
   declare(app.options(), options);
   return app.run(argc, argv, [&] {
     const ld::DenoiseJob job = job_of(options);
-    std::vector<std::filesystem::path> outputs, inputs = {options.model, options.mapping, options.camera};
+    std::vector<std::filesystem::path> outputs = {options.noisy},
+                                       inputs = {job.model, options.mapping, options.camera};
     for (const ld::DenoiseTask& task : job.tasks) {
       outputs.push_back(task.output);
       inputs.insert(inputs.end(), task.inputs.begin(), task.inputs.end());

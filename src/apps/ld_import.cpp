@@ -21,7 +21,7 @@ namespace {
 struct Options {
   std::string preset, mapping, camera, reference, frame;
   std::vector<std::string> assignments, files;
-  ld::DataSetPlace place{{}, "", "train"};
+  ld::DataSetPlace place;
   std::string from_hdf5, to_hdf5, depth = "linear";
   bool allow_identical = false, print_mapping = false;
 };
@@ -59,6 +59,11 @@ bool is_hdf5(const Options& o) {
   return !o.from_hdf5.empty() || !o.to_hdf5.empty();
 }
 
+void need_split(const Options& o) {
+  if (o.frame.empty() && o.place.split.empty())
+    ld::fail_usage("--out needs --split: train, validation or test");
+}
+
 void check(const Options& o) {
   if (is_hdf5(o)) {
     if (!o.from_hdf5.empty() && !o.to_hdf5.empty())
@@ -68,6 +73,7 @@ void check(const Options& o) {
           "HDF5 needs --out, --reference and, to read it, --name, which the names of frames begin with");
     if (!o.files.empty() || !o.preset.empty() || !o.mapping.empty() || !o.frame.empty())
       ld::fail_usage("HDF5 files have one layout: no preset, mapping, --frame or other files go with them");
+    need_split(o);
     return;
   }
   if (o.preset.empty() == o.mapping.empty()) ld::fail_usage("expected either --preset or --mapping");
@@ -78,6 +84,7 @@ void check(const Options& o) {
     ld::fail_usage("expected either --out for a data set or --frame for a frame alone");
   if (o.frame.empty() && (o.place.name.empty() || o.reference.empty()))
     ld::fail_usage("--out needs --name and --reference; a frame without a reference is written with --frame");
+  need_split(o);
   if (!o.frame.empty() && !o.reference.empty())
     ld::fail_usage("--frame takes no --reference; a pair belongs into a data set: --out and --name");
 }

@@ -1,9 +1,11 @@
 // Trains a network, or continues a training: `ld_train --config FILE [key.sub=value ...] --out RUN`.
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/app.h"
 #include "core/config_tree.h"
+#include "core/error.h"
 #include "core/log.h"
 #include "ops/runtime.h"
 #include "training/run_folder.h"
@@ -23,6 +25,10 @@ int main(int argc, char** argv) {
     ld::ConfigNode tree = ld::read_config(config_path);
     for (const std::string& assignment : overrides) ld::apply_override(tree, assignment);
     auto config = ld::config_from_tree<ld::TrainConfig>(tree);
+    const auto sets_seed = [](const std::string& assignment) { return assignment.rfind("seed=", 0) == 0; };
+    if (app.seed() && std::any_of(overrides.begin(), overrides.end(), sets_seed))
+      ld::fail_usage("--seed {} and {} both say the seed; give one of them", *app.seed(),
+                     *std::find_if(overrides.begin(), overrides.end(), sets_seed));
     if (app.seed()) config.seed = *app.seed();
 
     ld::configure_runtime(app.threads());

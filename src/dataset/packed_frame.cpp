@@ -147,7 +147,7 @@ PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features
         channel += kTilePixels;
       }
     }
-    for (int c = 0; c < 3; ++c) cut_plane(pair.reference.plane(c), reference + c * kTilePixels);
+    for (int c = 0; c < 3; ++c) cut_plane(pair.reference.image.plane(c), reference + c * kTilePixels);
     float_to_half(cut.data(), buffers->samples.data() + tile * packed.tile_samples(), cut.size());
     buffers->difficulty.push_back(smape_of_tile(cut.data(), valid, frame.spp, sample_pitch, reference));
   }

@@ -51,11 +51,10 @@ Evidence read_files(const fs::path& frame_file, const fs::path& reference_file, 
   if (evidence.faults.not_finite + evidence.faults.guides > 0)
     evidence.not_finite = count_not_finite(frame_file, evidence.frame);
   if (reference_needed || fs::exists(reference_file)) {
-    evidence.reference = read_image(reference_file, &evidence.bad_reference_values);
+    Reference reference = read_reference(reference_file, read_place(frame_file), frame_file.string());
+    evidence.reference = std::move(reference.image);
+    evidence.bad_reference_values = reference.bad_values;
     evidence.reference_checksum = file_checksum(reference_file);
-    const ExrReader picture(reference_file);  // not read_place(): a reference may hold samples, too
-    evidence.reference = cut_to(*evidence.reference, place_of(picture, picture_part(picture)),
-                                reference_file.string(), read_place(frame_file), frame_file.string());
   }
   complete(evidence);
   return evidence;

@@ -21,8 +21,8 @@ FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& 
     FramePair pair = read_frame_pair(folder, frames[i], features, samples);
     if (!(*warned)[i]) warn_about_faults(folder, frames[i], pair);
     (*warned)[i] = true;
-    return EvaluationFrame{frames[i].name, std::move(pair.frame), std::move(pair.reference),
-                           std::move(pair.floor), pair.place};
+    return EvaluationFrame{frames[i].name, std::move(pair.frame), std::move(pair.reference.image),
+                           std::move(pair.reference.floor), pair.place};
   };
   return {count, load, std::move(names)};
 }

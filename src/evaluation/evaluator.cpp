@@ -54,8 +54,8 @@ Image picture_of(const Method& method, const EvaluationFrame& frame, std::option
     const auto noted = method.seconds.find(frame.name);
     if (noted != method.seconds.end()) seconds = noted->second;
     PicturePlace place = frame.place;
-    place.width = frame.frame.width;
-    place.height = frame.frame.height;
+    place.extent.width = frame.frame.width;
+    place.extent.height = frame.frame.height;
     return method.read(frame.name, place);
   }
   const auto start = std::chrono::steady_clock::now();

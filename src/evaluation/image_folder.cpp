@@ -32,7 +32,7 @@ Image read_picture(const fs::path& path, const std::string& frame, const Picture
         "{}: its chromaticities are others than the frame's; nothing was converted, so its scores are "
         "doubtful",
         path.string());
-  return cut_to(read_rgb(exr), own, path.string(), place, "'" + frame + "'");
+  return cut_to(read_rgb(exr), own.extent, path.string(), place.extent, "'" + frame + "'");
 }
 
 std::map<std::string, double> read_seconds(const fs::path& path) {

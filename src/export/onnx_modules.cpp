@@ -35,6 +35,16 @@ Value tone_map(OnnxGraph& g, const Value& x) {
                  g.sub(g.mul(power, g.number(1.055F)), g.number(0.055F)));
 }
 
+/// The features with those of the radiance, which begin at `channel`, made from `radiance`.
+Value with_radiance_seen(OnnxGraph& g, const OnnxSamples& samples, const Value& radiance, int64_t channel,
+                         int64_t channels) {
+  std::vector<Value> parts;
+  if (channel > 0) parts.push_back(g.slice(samples.features, 2, 0, channel));
+  parts.push_back(g.mul(tone_map(g, radiance), samples.valid));
+  if (channel + 3 < channels) parts.push_back(g.slice(samples.features, 2, channel + 3, channels));
+  return g.concat(parts, 2);
+}
+
 Value convolution(OnnxGraph& g, const std::string& name, const Value& x) {
   return g.op("Conv", {x, g.parameter(name + ".weight"), g.parameter(name + ".bias")},
               {{"kernel_shape", std::vector<int64_t>{3, 3}}, {"pads", std::vector<int64_t>{1, 1, 1, 1}}});
@@ -117,11 +127,19 @@ Value onnx_exposed(OnnxGraph& g, const OnnxSamples& samples, int64_t channel, in
       g.where(g.is_zero(pixels), one, g.op("Min", {g.div(g.number(0.18F), average), g.number(kLargest)}));
   const Value exposed =
       g.op("Min", {g.mul(samples.radiance, g.unsqueeze(exposure, 1)), g.number(kLargestFeature)});
-  std::vector<Value> parts;
-  if (channel > 0) parts.push_back(g.slice(samples.features, 2, 0, channel));
-  parts.push_back(g.mul(tone_map(g, exposed), samples.valid));
-  if (channel + 3 < channels) parts.push_back(g.slice(samples.features, 2, channel + 3, channels));
-  return g.concat(parts, 2);
+  return with_radiance_seen(g, samples, exposed, channel, channels);
+}
+
+OnnxSamples onnx_pixel_mean(OnnxGraph& g, const OnnxSamples& samples, int64_t channel, int64_t channels) {
+  g.enter("pixel_mean");
+  OnnxSamples mean = samples;
+  mean.features = g.unsqueeze(onnx_masked_mean(g, samples.features, samples.valid), 1);
+  mean.radiance = g.unsqueeze(onnx_masked_mean(g, samples.radiance, samples.valid), 1);
+  mean.valid = samples.drawn;
+  if (channel >= 0)
+    mean.features = with_radiance_seen(g, mean, g.op("Min", {mean.radiance, g.number(kLargestFeature)}),
+                                       channel, channels);
+  return mean;
 }
 
 Value onnx_demodulator(OnnxGraph& g, const NetworkConfig& config, const Value& features) {

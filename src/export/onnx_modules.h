@@ -22,6 +22,9 @@ OnnxSamples onnx_sanitise(OnnxGraph& g, const Value& features, const Value& radi
 /// radiance. In float32, where the C++ network computes the exposure in float64.
 Value onnx_exposed(OnnxGraph& g, const OnnxSamples& samples, int64_t channel, int64_t channels);
 
+/// models/pixel_mean.h; `channel` is -1 where radiance is no feature.
+OnnxSamples onnx_pixel_mean(OnnxGraph& g, const OnnxSamples& samples, int64_t channel, int64_t channels);
+
 /// models/demodulation.h: a_s [B, S, 3, H, W]; the samples with their radiance in both forms; the step after
 /// the filter, from its result [B, 6, H, W], a_s and the context.
 Value onnx_demodulator(OnnxGraph& g, const NetworkConfig& config, const Value& features);

@@ -216,6 +216,7 @@ onnx::ModelProto onnx_model(const NetworkConfig& config, const std::vector<Tenso
   const Value valid = g.input("valid", {"B", "S", "1", "H", "W"});
   OnnxSamples samples = onnx_sanitise(g, features, radiance, valid);
   const int64_t first_radiance = first_channel(config.features, "radiance");
+  if (config.means) samples = onnx_pixel_mean(g, samples, first_radiance, channels);
   if (config.exposure_normalisation && first_radiance >= 0)
     samples.features = onnx_exposed(g, samples, first_radiance, channels);
   Value image;

@@ -57,9 +57,11 @@ void write_image(const std::filesystem::path& path, const Image& image, const Wi
 /// The bytes of such a PNG file; `path` is what complaints name.
 std::string png_bytes(const std::filesystem::path& path, const Image& image);
 
-/// Reads R, G, B of the first part of an EXR. `bad_pixels`, when given, receives how many channels were NaN,
-/// infinite or negative; they are set to 0. `floor`, when given, receives a reference's. Throws Error.
-Image read_image(const std::filesystem::path& path, int64_t* bad_pixels = nullptr,
-                 ReferenceFloor* floor = nullptr);
+/// Sets values that are NaN, infinite or negative to 0 and counts them.
+int64_t mend_image(Image& image);
+
+/// Reads R, G, B of an EXR's picture (picture_part). `bad_values`, when given, receives mend_image's count.
+/// Throws Error.
+Image read_image(const std::filesystem::path& path, int64_t* bad_values = nullptr);
 
 }  // namespace ld

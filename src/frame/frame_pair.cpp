@@ -9,15 +9,10 @@ namespace ld {
 FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFrame& entry,
                           const std::vector<std::string>& features, int samples) {
   const std::filesystem::path path = frame_path(folder, entry.name);
-  const std::filesystem::path reference = reference_path(folder, entry.name);
   FramePair pair;
   pair.frame = read_frame(path, features, pair.faults, samples);
-  pair.reference = read_image(reference, &pair.bad_reference_values, &pair.floor);
   pair.place = read_place(path);
-  const ExrReader picture(reference);  // not read_place(): a reference may hold samples, too
-  const PicturePlace own = place_of(picture, picture_part(picture));
-  pair.reference = cut_to(pair.reference, own, reference.string(), pair.place, path.string());
-  pair.other_colours = !same_colours(pair.place, own);
+  pair.reference = read_reference(reference_path(folder, entry.name), pair.place, path.string());
   // After the complaints above, which say more than that a checksum differs.
   verify_frame(folder, entry);
   return pair;
@@ -37,15 +32,15 @@ void warn_about_faults(const std::filesystem::path& path, const Faults& faults) 
 void warn_about_faults(const std::filesystem::path& folder, const ManifestFrame& entry,
                        const FramePair& pair) {
   warn_about_faults(frame_path(folder, entry.name), pair.faults);
-  if (pair.other_colours)
+  if (pair.reference.other_colours)
     spdlog::warn(
         "{}: its chromaticities are others than its samples'; nothing was converted, so scores against it "
         "are doubtful",
         reference_path(folder, entry.name).string());
-  if (pair.bad_reference_values > 0)
+  if (pair.reference.bad_values > 0)
     spdlog::warn(
         "{}: {} NaN, infinite or negative values set to 0; losses and scores against it are doubtful",
-        reference_path(folder, entry.name).string(), pair.bad_reference_values);
+        reference_path(folder, entry.name).string(), pair.reference.bad_values);
 }
 
 }  // namespace ld

@@ -13,12 +13,9 @@ namespace ld {
 
 struct FramePair {
   Frame frame;
-  Image reference;                   // [3, H, W] linear, the size of the frame
-  ReferenceFloor floor;              // of the reference
-  Faults faults;                     // of the frame
-  int64_t bad_reference_values = 0;  // NaN, infinite or negative ones, set to 0
-  PicturePlace place;                // of the samples; the reference was cut to it
-  bool other_colours = false;        // the reference's chromaticities are not the samples'
+  Faults faults;  // of the frame
+  PicturePlace place;
+  Reference reference;
 };
 
 /// Of the frame only the first `samples` samples; 0: all. Throws Error: a missing or damaged file, a missing

@@ -5,7 +5,6 @@
 
 #include "core/error.h"
 #include "frame/exr_reader.h"
-#include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
 
 namespace ld {
@@ -59,17 +58,20 @@ Image read_rgb(const ExrReader& exr) {
   return image;
 }
 
-Image read_image(const std::filesystem::path& path, int64_t* bad_pixels, ReferenceFloor* floor) {
-  const ExrReader exr(path);
-  Image image = read_rgb(exr);
-  if (floor != nullptr) *floor = read_floor(exr.header(picture_part(exr)), exr.path());
+int64_t mend_image(Image& image) {
   int64_t bad = 0;
   for (float& value : image.pixels) {
     if (std::isfinite(value) && value >= 0) continue;
     value = 0;
     ++bad;
   }
-  if (bad_pixels != nullptr) *bad_pixels = bad;
+  return bad;
+}
+
+Image read_image(const std::filesystem::path& path, int64_t* bad_values) {
+  Image image = read_rgb(ExrReader(path));
+  const int64_t bad = mend_image(image);
+  if (bad_values != nullptr) *bad_values = bad;
   return image;
 }
 

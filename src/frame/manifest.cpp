@@ -209,11 +209,11 @@ void add_to_manifest(const fs::path& folder, const Manifest& addition) {
   if (fs::exists(path)) {
     const Manifest existing = parse_manifest(path);
     if (existing.recipe != addition.recipe || existing.seed != addition.seed)
-      fail(
-          "{}: holds frames of another recipe or seed (seed {} there, {} here); choose another folder, or "
-          "remove this one "
-          "to start afresh",
-          folder.string(), existing.seed, addition.seed);
+      fail("{}: holds frames of another {}; choose another folder, or remove this one to start afresh",
+           folder.string(),
+           existing.seed == addition.seed
+               ? "recipe"
+               : fmt::format("seed ({} there, {} here)", existing.seed, addition.seed));
     for (const ManifestFrame& frame : existing.frames) by_name[frame.name] = frame;
   }
   for (const ManifestFrame& frame : addition.frames) by_name[frame.name] = frame;

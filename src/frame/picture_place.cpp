@@ -2,6 +2,7 @@
 
 #include <ImfStandardAttributes.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -11,34 +12,48 @@
 namespace ld {
 namespace {
 
-Windows with_display(const PicturePlace& place) {
-  Windows windows = place.windows;
+Windows with_display(const Extent& extent) {
+  Windows windows = extent.windows;
   if (windows.has_display()) return windows;
   windows.display_left = windows.x;
   windows.display_top = windows.y;
-  windows.display_right = windows.x + place.width - 1;
-  windows.display_bottom = windows.y + place.height - 1;
+  windows.display_right = windows.x + extent.width - 1;
+  windows.display_bottom = windows.y + extent.height - 1;
   return windows;
 }
 
-bool same_display(const PicturePlace& a, const PicturePlace& b) {
+bool same_display(const Extent& a, const Extent& b) {
   Windows first = with_display(a), second = with_display(b);
   first.x = second.x;
   first.y = second.y;
   return first == second;
 }
 
-std::string text_of(const PicturePlace& place) {
-  return fmt::format("{}x{} pixels at ({}, {})", place.width, place.height, place.windows.x, place.windows.y);
+}  // namespace
+
+std::string Extent::text() const {
+  return fmt::format("{} x {} pixels at ({}, {})", width, height, windows.x, windows.y);
 }
 
-}  // namespace
+Extent extent_of(const ExrReader& exr, int part) {
+  return {exr.width(part), exr.height(part), windows_of(exr.header(part))};
+}
+
+void place_pixels(const char* source, const Extent& from, char* target, const Extent& to,
+                  size_t pixel_bytes) {
+  const auto bytes = static_cast<int64_t>(pixel_bytes);
+  // Windows may lie anywhere: their distance need not fit an int.
+  const int64_t right = int64_t{from.windows.x} - to.windows.x, down = int64_t{from.windows.y} - to.windows.y;
+  const int64_t first = std::max<int64_t>(0, right), last = std::min<int64_t>(to.width, right + from.width);
+  const int64_t bottom = std::min<int64_t>(to.height, down + from.height);
+  for (int64_t y = std::max<int64_t>(0, down); y < bottom && first < last; ++y)
+    std::copy_n(source + ((y - down) * from.width + (first - right)) * bytes, (last - first) * bytes,
+                target + (y * to.width + first) * bytes);
+}
 
 PicturePlace place_of(const ExrReader& exr, int part) {
   PicturePlace place;
-  place.width = exr.width(part);
-  place.height = exr.height(part);
-  place.windows = windows_of(exr.header(part));
+  place.extent = extent_of(exr, part);
   if (Imf::hasChromaticities(exr.header(part))) {
     const Imf::Chromaticities& c = Imf::chromaticities(exr.header(part));
     place.chromaticities = {c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y};
@@ -53,8 +68,8 @@ PicturePlace read_place(const std::filesystem::path& path) {
   return place_of(exr, picture_part(exr));
 }
 
-Image cut_to(const Image& picture, const PicturePlace& own, const std::string& path,
-             const PicturePlace& frame, const std::string& frame_path) {
+Image cut_to(const Image& picture, const Extent& own, const std::string& path, const Extent& frame,
+             const std::string& frame_path) {
   // Windows may lie anywhere: their distance need not fit an int.
   const int64_t right = int64_t{frame.windows.x} - own.windows.x,
                 down = int64_t{frame.windows.y} - own.windows.y;
@@ -67,14 +82,27 @@ Image cut_to(const Image& picture, const PicturePlace& own, const std::string& p
         "{} is {}, its frame {} {}{}; both must show the same picture: write it with the frame's data "
         "window, or render one of them "
         "again",
-        path, text_of(own), frame_path, text_of(frame),
+        path, own.text(), frame_path, frame.text(),
         same_display(own, frame) ? "" : ", of another display window");
   Image part(frame.width, frame.height, picture.channels);
   for (int c = 0; c < picture.channels; ++c)
-    for (int y = 0; y < frame.height; ++y)
-      std::copy_n(picture.plane(c) + (down + y) * own.width + right, frame.width,
-                  part.plane(c) + int64_t{y} * frame.width);
+    place_pixels(reinterpret_cast<const char*>(picture.plane(c)), own, reinterpret_cast<char*>(part.plane(c)),
+                 frame, sizeof(float));
   return part;
+}
+
+Reference read_reference(const std::filesystem::path& path, const PicturePlace& frame,
+                         const std::string& frame_path) {
+  const ExrReader exr(path);
+  const int part = picture_part(exr);
+  const PicturePlace own = place_of(exr, part);
+  Reference reference;
+  Image whole = read_rgb(exr);
+  reference.bad_values = mend_image(whole);
+  reference.floor = read_floor(exr.header(part), exr.path());
+  reference.image = cut_to(whole, own.extent, path.string(), frame.extent, frame_path);
+  reference.other_colours = !same_colours(own, frame);
+  return reference;
 }
 
 bool same_colours(const PicturePlace& a, const PicturePlace& b) {

@@ -26,6 +26,15 @@ bool escaped(const FeatureMapping& mapping, const std::vector<std::vector<float>
 
 }  // namespace
 
+bool needs_camera(const FeatureMapping& mapping) {
+  return needs_fov(mapping) || (mapping.feature == "normal" && mapping.space == "world") ||
+         mapping.kind == "world_position";
+}
+
+bool needs_fov(const FeatureMapping& mapping) {
+  return (mapping.feature == "normal" && mapping.face_camera) || mapping.kind == "distance";
+}
+
 Converter::Converter(int width, int height, const Windows& windows, std::optional<ViewCamera> camera)
     : width_(width),
       height_(height),

@@ -17,6 +17,10 @@ struct ConversionCounts {
   int64_t beyond_half = 0;    // depths that count as escaped because half floats do not reach them
 };
 
+/// Whether the feature comes in a form that takes the camera, or its field of view, to convert.
+bool needs_camera(const FeatureMapping& mapping);
+bool needs_fov(const FeatureMapping& mapping);
+
 class Converter {
  public:
   /// `camera`, where there is one, is checked against the picture's size. Throws UsageError.

@@ -12,30 +12,13 @@
 #include "core/error.h"
 #include "frame/exr_check.h"
 #include "frame/exr_reader.h"
-#include "frame/frame_attributes.h"
+#include "frame/picture_place.h"
 #include "import/source_plan.h"
 
 namespace ld {
 namespace {
 
 using Planes = std::vector<std::vector<float>>;
-
-/// Size and windows of a sample; all its channels must agree.
-struct Extent {
-  int width = 0, height = 0;
-  Windows windows;
-  bool operator==(const Extent& other) const {
-    return width == other.width && height == other.height && windows == other.windows;
-  }
-  size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
-  std::string text() const {
-    return fmt::format("{} x {} pixels at ({}, {})", width, height, windows.x, windows.y);
-  }
-};
-
-Extent extent_of(const ExrReader& exr, int part) {
-  return {exr.width(part), exr.height(part), windows_of(exr.header(part))};
-}
 
 /// A channel's pixels where the sample has its own: 0 where the channel's part has none.
 std::vector<float> read_placed(const ExrReader& exr, const SourceChannel& channel, const Extent& extent) {
@@ -44,15 +27,8 @@ std::vector<float> read_placed(const ExrReader& exr, const SourceChannel& channe
   exr.read(channel.part, {{channel.name, own.data(), own.size()}});
   if (found == extent) return own;
   std::vector<float> placed(extent.pixels());
-  // Windows may lie anywhere: their distance need not fit an int.
-  const int64_t right = int64_t{found.windows.x} - extent.windows.x,
-                down = int64_t{found.windows.y} - extent.windows.y;
-  const int64_t first = std::max<int64_t>(0, right),
-                last = std::min<int64_t>(extent.width, right + found.width);
-  const int64_t bottom = std::min<int64_t>(extent.height, down + found.height);
-  for (int64_t y = std::max<int64_t>(0, down); y < bottom && first < last; ++y)
-    std::copy_n(own.begin() + (y - down) * found.width + (first - right), last - first,
-                placed.begin() + y * extent.width + first);
+  place_pixels(reinterpret_cast<const char*>(own.data()), found, reinterpret_cast<char*>(placed.data()),
+               extent, sizeof(float));
   return placed;
 }
 
@@ -97,6 +73,15 @@ std::vector<std::string> unused_channels(const ExrReader& exr, const std::vector
                                          : it.name());
   }
   return unused;
+}
+
+std::string taken_text(const SourceFeature& source) {
+  std::vector<std::string> names;
+  for (const SourceChannel& channel : source.channels) names.push_back(channel.name);
+  std::string text = fmt::format("{}: {}", source.mapping->feature, fmt::join(names, ", "));
+  if (source.mapping->feature == "normal") text += fmt::format(" ({} space)", source.mapping->space);
+  if (source.mapping->feature == "depth") text += fmt::format(" ({})", source.mapping->kind);
+  return text;
 }
 
 std::string generator_of(const ExrReader& exr, const ImportMapping& mapping) {
@@ -181,6 +166,8 @@ class FrameBuilder {
     if (!camera_)
       for (int part = 0; part < exr.parts() && !camera_; ++part)
         camera_ = camera_of(exr.header(part), exr.path());
+    for (const SourceFeature& feature : sample.features) result_.taken.push_back(taken_text(feature));
+    if (has_alpha_) result_.taken.push_back(taken_text(sample.alpha));
     result_.unused = unused_channels(exr, plan_samples(exr, mapping_, Wanted::all));
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);

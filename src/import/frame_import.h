@@ -18,6 +18,7 @@ struct ImportedFrame {
   ConversionCounts counts;
   std::vector<std::string> repeated;  // features that are the same in all samples (per_sample: false)
   std::vector<std::string> notes;     // what users should know, a line each
+  std::vector<std::string> taken;     // "normal: Ns.X, Ns.Y, Ns.Z" of the first file, a line for each feature
   std::vector<std::string> unused;    // channels of the first file that no feature took, with their parts
 };
 

@@ -177,7 +177,7 @@ Hdf5Report data_set_to_hdf5(const fs::path& folder, const std::string& split, co
         });
         group.data.write_frame(i, values);
       }
-      reference.write_frame(i, pair.reference.pixels);
+      reference.write_frame(i, pair.reference.image.pixels);
       ++report.frames;
     }
     file.flush();

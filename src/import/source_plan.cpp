@@ -3,6 +3,7 @@
 #include <ImfChannelList.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 
@@ -113,6 +114,23 @@ std::vector<Found> radiance_of(const ExrReader& exr, const ImportMapping& mappin
 }
 
 }  // namespace
+
+bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping) {
+  const FeatureMapping& radiance = mapping.features[0];
+  const auto fits = [&](const std::string& pattern) {
+    for (int part = 0; part < exr.parts(); ++part)
+      for (auto it = exr.header(part).channels().begin(); it != exr.header(part).channels().end(); ++it)
+        if (match_pattern(pattern, it.name()) ||
+            match_pattern(pattern, exr.part_name(part) + "." + it.name()))
+          return true;
+    return false;
+  };
+  for (const std::string& channel : radiance.channels) {
+    const std::vector<std::string> alternatives = pattern_alternatives(with_layer(channel, mapping.layer));
+    if (std::none_of(alternatives.begin(), alternatives.end(), fits)) return false;
+  }
+  return true;
+}
 
 std::vector<SourceSample> plan_samples(const ExrReader& exr, const ImportMapping& mapping, Wanted wanted) {
   std::vector<SourceSample> samples;

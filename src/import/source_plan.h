@@ -31,6 +31,9 @@ enum class Wanted {
   picture,     // radiance and alpha
 };
 
+/// Whether the file has a channel for each component of the mapping's radiance.
+bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping);
+
 /// The samples of one file, in the order of their numbers; one where the mapping has no {sample}. Features
 /// that are not there are left out. Throws Error: no radiance, patterns that fit several channels, a feature
 /// of which some components or some samples are missing.

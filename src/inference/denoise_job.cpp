@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/checksum.h"
 #include "core/error.h"
+#include "core/file_identity.h"
 #include "core/log.h"
 #include "core/progress.h"
 #include "core/signals.h"
@@ -14,6 +16,7 @@
 #include "frame/frame_pair.h"
 #include "inference/denoiser.h"
 #include "models/network_config.h"
+#include "weights/weight_file.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -56,10 +59,16 @@ class Run {
   nlohmann::ordered_json denoise(const DenoiseTask& task) {
     const InputFrame input = read_input(task.inputs, job_.render, denoiser_.features(), job_.samples);
     const Frame& frame = input.frame;
+    tell_what_was_taken(input);
     const auto start = std::chrono::steady_clock::now();
     const Image image = denoiser_.denoise(frame, how_);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::vector<std::string> notes = write(task.output, image, input);
+    if (!job_.noisy.empty()) {
+      const Image mean = mean_radiance(frame);
+      const bool alpha = picture_format(job_.noisy) == PictureFormat::exr;
+      write_image(job_.noisy, alpha ? with_alpha(mean, frame) : mean, frame.info.windows);
+    }
     const std::string name = task.inputs[0].string();
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
@@ -88,6 +97,12 @@ class Run {
 
  private:
   void check_outputs() const {
+    if (!job_.noisy.empty()) {
+      picture_format(job_.noisy);
+      if (job_.tasks.size() > 1) fail_usage("--noisy takes one picture, but there are {}", job_.tasks.size());
+      if (FileIdentity(job_.noisy) == FileIdentity(job_.tasks[0].output))
+        fail_usage("--noisy and --output are one file, {}; expected two", job_.noisy.string());
+    }
     for (const DenoiseTask& task : job_.tasks)
       if (picture_format(task.output) != PictureFormat::exr && job_.full_float)
         fail_usage("{}: --float goes with EXR; PNG has 8 bits", task.output.string());
@@ -99,6 +114,13 @@ class Run {
       if (picture_format(task.output) != PictureFormat::exr)
         fail_usage("{} cannot hold parts for looking; expected an output with the extension .exr",
                    task.output.string());
+  }
+
+  /// Of the first frame: the others are alike.
+  void tell_what_was_taken(const InputFrame& input) {
+    if (told_ || input.taken.empty()) return;
+    told_ = true;
+    for (const std::string& line : input.taken) spdlog::info("{}", line);
   }
 
   void advance_to(int64_t step) {
@@ -139,17 +161,20 @@ class Run {
       write_image(output, image);
       return {};
     }
-    const std::string by = fmt::format("ld_denoise {}, network {}, {}", LD_VERSION,
-                                       denoiser_.network_config().name, job_.model.filename().string());
+    const std::string by = fmt::format("ld_denoise {}, network {}, weights {}", LD_VERSION,
+                                       denoiser_.network_config().name, checksum_);
     return write_picture(output, with_alpha(image, input.frame), input.original, parts_of(input.frame),
                          job_.full_float, by);
   }
 
   const DenoiseJob& job_;
   Denoiser denoiser_;
+  // Of the weights, not their name: equal ones make equal files wherever they lie.
+  std::string checksum_ = file_checksum(resolve_model(job_.model));
   Progress progress_;
   DenoiseOptions how_;
   int64_t done_ = 0;
+  bool told_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "inference/frame_sequence.h"
 
+#include <glob.h>
+
 #include <algorithm>
 #include <charconv>
 #include <set>
@@ -114,6 +116,34 @@ FrameRange parse_frame_range(const std::string& text) {
       range.last > kMostFrames || range.last <= range.first || range.last - range.first > 10'000'000)
     fail_usage("'{}' is no range of frames; expected A:B, which means frames A to B - 1", shown(text));
   return range;
+}
+
+std::vector<std::string> expand_names(const std::vector<std::string>& inputs) {
+  std::vector<std::string> names;
+  for (const std::string& input : inputs) {
+    std::error_code error;
+    if (input.find_first_of("*?[") == std::string::npos || fs::exists(input, error)) {
+      names.push_back(input);
+      continue;
+    }
+    glob_t found{};
+    if (glob(input.c_str(), 0, nullptr, &found) == 0)
+      names.insert(names.end(), found.gl_pathv, found.gl_pathv + found.gl_pathc);
+    const size_t count = found.gl_pathc;
+    globfree(&found);
+    if (count == 0) fail_usage("'{}': no file fits", input);
+  }
+  return names;
+}
+
+fs::path first_file(const std::vector<std::string>& inputs, const std::optional<FrameRange>& range) {
+  if (inputs.empty()) return {};
+  const NamePattern pattern(inputs[0]);
+  std::error_code error;
+  if (pattern.digits == 0) return fs::is_regular_file(inputs[0], error) ? fs::path(inputs[0]) : fs::path();
+  for (const int64_t number : pattern.present())
+    if (!range || (number >= range->first && number < range->last)) return pattern.of(number);
+  return {};
 }
 
 std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, const std::string& output,

@@ -16,6 +16,14 @@ struct FrameRange {
 /// "A:B". Throws UsageError.
 FrameRange parse_frame_range(const std::string& text);
 
+/// Inputs with * ? [ in their names, for those whose shell leaves them as they are, replaced by the files
+/// that fit, sorted; names of files that are there stay. Throws UsageError where nothing fits.
+std::vector<std::string> expand_names(const std::vector<std::string>& inputs);
+
+/// The file of the first picture that is there; empty where there is none.
+std::filesystem::path first_file(const std::vector<std::string>& inputs,
+                                 const std::optional<FrameRange>& range);
+
 /// One picture to make.
 struct DenoiseTask {
   std::vector<std::filesystem::path> inputs;  // files of its samples

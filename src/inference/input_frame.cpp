@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 
 #include "core/error.h"
 #include "frame/exr_reader.h"
@@ -46,9 +47,42 @@ Original original_of_render(const fs::path& file, const ImportMapping& mapping, 
   return original;
 }
 
+/// The mapping without what would need a camera that is not there, but for `features`, without which nothing
+/// goes; `notes` receives what that cost.
+ImportMapping without_camera(const fs::path& file, const RenderInput& render,
+                             const std::vector<std::string>& features, std::vector<std::string>& notes) {
+  ImportMapping mapping = *render.mapping;
+  const ExrReader exr(file);
+  std::optional<ViewCamera> camera = render.camera;
+  for (int part = 0; part < exr.parts() && !camera; ++part) camera = camera_of(exr.header(part), exr.path());
+  for (FeatureMapping& feature : mapping.features) {
+    const bool lacks = camera ? needs_fov(feature) && !camera->fov_y : needs_camera(feature);
+    if (lacks && std::count(features.begin(), features.end(), feature.feature) == 0) feature.channels.clear();
+  }
+  const auto found = [&](const ImportMapping& from) {
+    std::map<std::string, std::string> channels;
+    const std::vector<SourceSample> samples = plan_samples(exr, from, Wanted::all);
+    for (const SourceFeature& source : samples[0].features)
+      channels[source.mapping->feature] = source.channels[0].name;
+    return channels;
+  };
+  const std::map<std::string, std::string> kept = found(mapping);
+  for (const auto& [feature, channel] : found(*render.mapping))
+    if (kept.count(feature) == 0)
+      notes.push_back(fmt::format("{} left out: {} needs the camera; --camera gives it (docs/import.md)",
+                                  feature, channel));
+    else if (kept.at(feature) != channel)
+      notes.push_back(
+          fmt::format("{} from {}, because {} needs the camera; --camera gives it (docs/import.md)", feature,
+                      kept.at(feature), channel));
+  return mapping;
+}
+
 InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& render,
                         const std::vector<std::string>& features) {
-  ImportedFrame imported = import_frame(files, *render.mapping, render.camera, render.allow_identical);
+  std::vector<std::string> notes;
+  const ImportMapping mapping = without_camera(files[0], render, features, notes);
+  ImportedFrame imported = import_frame(files, mapping, render.camera, render.allow_identical);
   for (const std::string& feature : features)
     if (!imported.frame.holds(feature))
       fail(
@@ -62,7 +96,9 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
                             "--set {}.channels=[...]; else ",
                             fmt::join(imported.unused, ", "), feature),
           feature);
-  InputFrame input{std::move(imported.frame), imported.faults, imported.notes, {}};
+  notes.insert(notes.end(), imported.notes.begin(), imported.notes.end());
+  InputFrame input{
+      std::move(imported.frame), imported.faults, std::move(notes), std::move(imported.taken), {}};
   input.original = original_of_render(files[0], *render.mapping, input.frame);
   if (!imported.repeated.empty())
     input.notes.push_back(fmt::format("{} the same in all samples: networks on samples make less of it",

@@ -17,6 +17,7 @@ namespace ld {
 struct RenderInput {
   std::optional<ImportMapping> mapping;
   std::optional<ViewCamera> camera;
+  std::string preset = {};  // where the mapping is one
   bool allow_identical = false;
 };
 
@@ -24,12 +25,14 @@ struct InputFrame {
   Frame frame;  // sanitised, with a depth scale
   Faults faults;
   std::vector<std::string> notes;  // what users should know, a line each
+  std::vector<std::string> taken;  // of renders: what was taken for what (ImportedFrame)
   Original original;               // for write_picture
 };
 
 /// Reads one frame with the features that a network needs, and of its samples the first `samples`; 0: all.
-/// Without a mapping there is one file. Throws Error as read_frame() and import_frame() say, and for features
-/// or samples that the renders lack.
+/// Without a mapping there is one file. Features that the network can do without and that would need a camera
+/// are left out where there is none. Throws Error as read_frame() and import_frame() say, and for features or
+/// samples that the renders lack.
 InputFrame read_input(const std::vector<std::filesystem::path>& files, const RenderInput& render,
                       const std::vector<std::string>& features, int samples = 0);
 

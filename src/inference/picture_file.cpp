@@ -17,6 +17,7 @@
 #include "frame/exr_reader.h"
 #include "frame/frame_attributes.h"
 #include "frame/half_range.h"
+#include "frame/picture_place.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -58,22 +59,9 @@ std::vector<Channel> channels_of(Image image, const std::vector<std::string>& na
   return channels;
 }
 
-/// Rows of pixels that lie at `from` to where `to` has them; bytes outside of `from` stay.
-void place(const std::vector<char>& source, const Imath::Box2i& from, std::vector<char>& target,
-           const Imath::Box2i& to, size_t pixel_bytes) {
-  const auto bytes = static_cast<int64_t>(pixel_bytes);
-  const int64_t first = std::max(from.min.x, to.min.x), last = std::min(from.max.x, to.max.x);
-  const int64_t from_width = int64_t{from.max.x} - from.min.x + 1,
-                to_width = int64_t{to.max.x} - to.min.x + 1;
-  for (int64_t y = std::max(from.min.y, to.min.y); y <= std::min(from.max.y, to.max.y) && first <= last; ++y)
-    std::copy_n(source.begin() + ((y - from.min.y) * from_width + first - from.min.x) * bytes,
-                (last - first + 1) * bytes,
-                target.begin() + ((y - to.min.y) * to_width + first - to.min.x) * bytes);
-}
-
-/// The original's channels that are kept of one of its parts, as they stand there, placed in `window`.
+/// The original's channels that are kept of one of its parts, as they stand there, placed in `extent`.
 std::vector<Channel> kept_channels(const ExrReader& exr, const Original& original, int part,
-                                   const Imath::Box2i& window, std::vector<std::string>& notes) {
+                                   const Extent& extent, std::vector<std::string>& notes) {
   std::vector<Channel> channels;
   std::string subsampled;
   const size_t pixels = static_cast<size_t>(exr.width(part)) * static_cast<size_t>(exr.height(part));
@@ -93,13 +81,13 @@ std::vector<Channel> kept_channels(const ExrReader& exr, const Original& origina
   for (Channel& channel : channels)
     planes.push_back({channel.name, channel.type, channel.bytes.data(), pixels});
   if (!planes.empty()) exr.read_typed(part, planes);
-  const Imath::Box2i& own = exr.header(part).dataWindow();
-  if (own == window) return channels;
-  const Imath::V2i size = window.size() + Imath::V2i(1, 1);
+  const Extent own = extent_of(exr, part);
+  if (own.windows.x == extent.windows.x && own.windows.y == extent.windows.y && own.width == extent.width &&
+      own.height == extent.height)
+    return channels;
   for (Channel& channel : channels) {
-    std::vector<char> placed(static_cast<size_t>(size.x) * static_cast<size_t>(size.y) *
-                             bytes_of(channel.type));
-    place(channel.bytes, own, placed, window, bytes_of(channel.type));
+    std::vector<char> placed(extent.pixels() * bytes_of(channel.type));
+    place_pixels(channel.bytes.data(), own, placed.data(), extent, bytes_of(channel.type));
     channel.bytes = std::move(placed);
   }
   return channels;
@@ -168,7 +156,8 @@ std::vector<std::string> write_picture(const fs::path& path, const Image& pictur
   const Part empty = parts[0];
   add_channels(parts[0], channels_of(picture, {"R", "G", "B", "A"}, full_float, beyond));
   if (original.samples.count(original.part) == 0)
-    add_channels(parts[0], kept_channels(exr, original, original.part, window, notes));
+    add_channels(parts[0], kept_channels(exr, original, original.part,
+                                         {picture.width, picture.height, original.windows}, notes));
 
   for (const PicturePart& part : further) {
     parts.push_back(empty);
@@ -183,7 +172,7 @@ std::vector<std::string> write_picture(const fs::path& path, const Image& pictur
   for (const Part& part : parts) names.insert(part.header.name());
   for (int part = 0; part < exr.parts(); ++part) {
     if (part == original.part || original.samples.count(part) > 0) continue;
-    std::vector<Channel> kept = kept_channels(exr, original, part, exr.header(part).dataWindow(), notes);
+    std::vector<Channel> kept = kept_channels(exr, original, part, extent_of(exr, part), notes);
     if (kept.empty()) continue;
     parts.emplace_back();
     Imf::Header& own = parts.back().header;

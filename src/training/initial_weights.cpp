@@ -66,7 +66,7 @@ void begin_with_weights(const std::filesystem::path& model, Network& network) {
   const auto target = network.named_parameters();
   for (const auto& parameter : source)
     if (target.find(parameter.key()) == nullptr)
-      fail(
+      fail_usage(
           "init: {} (network '{}') has '{}', which this run's network '{}' has not; give both the same "
           "layers",
           model.string(), stored->config().name, parameter.key(), network.config().name);
@@ -76,15 +76,15 @@ void begin_with_weights(const std::filesystem::path& model, Network& network) {
     const torch::Tensor* found = source.find(parameter.key());
     if (found == nullptr && parameter.key().rfind(kRejection, 0) == 0) continue;  // which begins as nothing
     if (found == nullptr)
-      fail(
+      fail_usage(
           "init: {} (network '{}') has no '{}', which this run's network '{}' has; give both the same layers",
           model.string(), stored->config().name, parameter.key(), network.config().name);
     const torch::Tensor value =
         parameter.key() == kFirstLayer && from != to ? with_features(*found, from, to) : *found;
     if (value.sizes() != parameter.value().sizes())
-      fail("init: '{}' of {} has the shape [{}], of this run's network [{}]; give both the same sizes",
-           parameter.key(), model.string(), fmt::join(value.sizes().vec(), ", "),
-           fmt::join(parameter.value().sizes().vec(), ", "));
+      fail_usage("init: '{}' of {} has the shape [{}], of this run's network [{}]; give both the same sizes",
+                 parameter.key(), model.string(), fmt::join(value.sizes().vec(), ", "),
+                 fmt::join(parameter.value().sizes().vec(), ", "));
     parameter.value().copy_(value);
   }
   spdlog::info("beginning with the weights of {}", model.string());

@@ -46,9 +46,10 @@ void Trainer::open_run(const std::string& command) {
   origin.parameters = parameter_count(*network_);
   origin.total_steps = total_steps_;
   write_origin(run_, config_, origin);
-  spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} threads{}",
+  spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} thread{}{}",
                config_.network.name, origin.parameters, total_steps_, state_.crops_per_step,
                config_.data.crop, config_.data.crop, config_.loss, origin.threads,
+               origin.threads == 1 ? "" : "s",
                group_.size() > 1 ? fmt::format(" in each of {} processes", group_.size()) : "");
   if (validation_.empty())
     spdlog::warn("the data has no validation split: `best` will be the last checkpoint");

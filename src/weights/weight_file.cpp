@@ -1,5 +1,7 @@
 #include "weights/weight_file.h"
 
+#include <fmt/ranges.h>
+
 #include <charconv>
 #include <sstream>
 
@@ -7,6 +9,7 @@
 #include "core/json_text.h"
 #include "core/shown_text.h"
 #include "frame/schema.h"
+#include "weights/released.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -99,7 +102,11 @@ WeightsHeader read_weights_header(const SafetensorsFile& file) {
 
 fs::path resolve_model(const fs::path& model) {
   std::error_code error;
-  if (!fs::exists(model, error)) fail("no such model: {}; check the path", model.string());
+  if (!fs::exists(model, error)) {
+    if (fs::path file = released_model(model.string()); !file.empty()) return file;
+    fail("no such model: {}; expected a file, the folder of a run, or one of the released {}", model.string(),
+         fmt::join(released_models(), ", "));
+  }
   if (!fs::is_directory(model)) return model;
   for (const fs::path& folder : {model, model / "checkpoints" / "best", model / "checkpoints" / "last"})
     if (fs::path file = existing(folder); !file.empty()) return file;

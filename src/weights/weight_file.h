@@ -22,8 +22,9 @@ Metadata make_weights_metadata(const NetworkConfig& network, const std::string& 
 /// (naming the first feature that differs).
 WeightsHeader read_weights_header(const SafetensorsFile& file);
 
-/// The weight file that `model` stands for: itself, a checkpoint folder's weights.safetensors, or a run
-/// folder's best checkpoint (the last one where there is no best). Throws Error saying what was looked for.
+/// The weight file that `model` stands for: itself, a checkpoint folder's weights.safetensors, a run folder's
+/// best checkpoint (the last one where there is no best), or released weights of that name (released.h).
+/// Throws Error saying what was looked for.
 std::filesystem::path resolve_model(const std::filesystem::path& model);
 
 }  // namespace ld

@@ -76,6 +76,35 @@ TEST_F(BadInput, CommandLines) {
   EXPECT_NE(run_program("ld_denoise", {"--version"}).output.find("ld_denoise 0."), std::string::npos);
 }
 
+TEST_F(BadInput, WhatContradictsItselfOrFitsNothingIsAWrongCommandLine) {
+  expect_failure(train(config(), "two_seeds", {"--seed", "5", "seed=6"}), 2, {"--seed 5", "seed=6"});
+  expect_failure(
+      train(config(), "misfit", {"init=" + path("model.safetensors"), "network.sample_reducer=[7, 7]"}), 2,
+      {"init: ", "sizes"});
+  expect_failure(run_program("ld_import", {"--preset", "cycles", "--out", path("imported"), "--name", "a",
+                                           "--reference", "r.exr", "s.exr"}),
+                 2, {"--split", "validation"});
+}
+
+TEST_F(BadInput, AnOnnxModelSaysWhatItTakes) {
+  const ProgramResult exported = run_program(
+      "ld_export", {"--model", path("model.safetensors"), "--format", "onnx", "--out", path("model.onnx")});
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  const ProgramResult told = run_program("ld_inspect", {path("model.onnx")});
+  EXPECT_EQ(told.exit_code, 0) << told.output;
+  EXPECT_NE(told.output.find("radiance [B, S, 3, H, W]"), std::string::npos) << told.output;
+  write_file_atomically(path("cut.onnx"), read_file(path("model.onnx")).substr(0, 500));
+  EXPECT_EQ(run_program("ld_inspect", {path("cut.onnx")}).exit_code, 1);
+}
+
+TEST_F(BadInput, EqualWeightsMakeEqualFilesWhereverTheyLie) {
+  fs::copy_file(path("model.safetensors"), path("other_name.safetensors"));
+  ASSERT_EQ(denoise(path("model.safetensors"), frame()).exit_code, 0);
+  const std::string first = read_file(path("out.exr"));
+  ASSERT_EQ(denoise(path("other_name.safetensors"), frame()).exit_code, 0);
+  EXPECT_TRUE(read_file(path("out.exr")) == first);
+}
+
 TEST_F(BadInput, MissingFiles) {
   expect_failure(denoise(path("model.safetensors"), path("none.exr")), 1, {"none.exr"});
   expect_failure(denoise(path("none.safetensors"), frame()), 1, {"none.safetensors"});
@@ -95,7 +124,8 @@ TEST_F(BadInput, TruncatedExr) {
 
 TEST_F(BadInput, ExrWithoutANeededChannel) {
   write_image(path("picture.exr"), Image(16, 16, 3));
-  expect_failure(denoise(path("model.safetensors"), path("picture.exr")), 1, {"picture.exr", "sample"});
+  expect_failure(denoise(path("model.safetensors"), path("picture.exr")), 1,
+                 {"picture.exr", "not the feature 'normal'"});
   // Renaming a channel within the header keeps every length: 'lens.X' is gone.
   std::string bytes = read_file(frame());
   for (size_t at = bytes.find("lens.X"); at != std::string::npos; at = bytes.find("lens.X"))
@@ -107,10 +137,11 @@ TEST_F(BadInput, ExrWithoutANeededChannel) {
 TEST_F(BadInput, InputAndReferenceOfDifferentSize) {
   fs::copy(path("data"), path("data_size"));
   write_image(path("data_size/frame_1.reference.exr"), Image(8, 16, 3));
-  expect_failure(train(config(), "run_size", {}, "data_size"), 1, {"16x16", "8x16", "frame_1.reference.exr"});
+  expect_failure(train(config(), "run_size", {}, "data_size"), 1,
+                 {"16 x 16", "8 x 16", "frame_1.reference.exr"});
   write_image(path("data_size/frame_5.reference.exr"), Image(8, 16, 3));
   expect_failure(run_program("ld_eval", {"--data", path("data_size"), "--out", path("eval")}), 1,
-                 {"16x16", "8x16", "frame_5.reference.exr"});
+                 {"16 x 16", "8 x 16", "frame_5.reference.exr"});
 }
 
 TEST_F(BadInput, NanAndInfinitePixelsAreMaskedCountedAndReported) {

@@ -81,7 +81,7 @@ TEST_F(DataSetOnDisk, AReferenceOfAnotherSizeNamesBothFilesAndSizes) {
   const FrameSet frames = open_frame_set(folder_.path(), "test", {"radiance"}, 0);
   const std::string message = message_of([&] { frames.load(1); });
   for (const std::string part :
-       {"frame_1.exr 12x9 pixels", "frame_1.reference.exr is 11x9 pixels", "of another display window"})
+       {"frame_1.exr 12 x 9 pixels", "frame_1.reference.exr is 11 x 9 pixels", "of another display window"})
     EXPECT_NE(message.find(part), std::string::npos) << message;
 }
 

@@ -23,9 +23,7 @@ class ImageFolder : public testing::Test {
   }
   static PicturePlace at(int width, int height, const Windows& windows = {}) {
     PicturePlace place;
-    place.width = width;
-    place.height = height;
-    place.windows = windows;
+    place.extent = {width, height, windows};
     return place;
   }
   Method method() const { return image_folder_method("other", folder_.path(), kFrames); }
@@ -82,13 +80,13 @@ TEST_F(ImageFolder, PicturesAreComparedWhereTheyLie) {
   write_image(folder_ / "a.exr", part, crop);
   EXPECT_EQ(method().read("a", at(5, 4, crop)).pixels, part.pixels);
   EXPECT_ERROR(method().read("a", at(5, 4, {3, 3, 0, 0, 11, 8})),
-               "5x4 pixels at (4, 3), its frame 'a' 5x4 pixels at (3, 3)");
+               "5 x 4 pixels at (4, 3), its frame 'a' 5 x 4 pixels at (3, 3)");
   EXPECT_ERROR(method().read("a", at(6, 4, crop)), "write it with the frame's data window");
 }
 
 TEST_F(ImageFolder, OtherSizesAndDamageNameTheFile) {
   EXPECT_ERROR(method().read("a", at(24, 18)),
-               "a.exr is 12x9 pixels at (0, 0), its frame 'a' 24x18 pixels at (0, 0)");
+               "a.exr is 12 x 9 pixels at (0, 0), its frame 'a' 24 x 18 pixels at (0, 0)");
   EXPECT_ERROR(method().read("a", at(6, 5)), "of another display window");
   write_file_atomically(folder_ / "a.exr", "no picture");
   EXPECT_ERROR(method().read("a", at(12, 9)), "a.exr");

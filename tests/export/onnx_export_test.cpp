@@ -17,7 +17,7 @@ namespace {
 using torch::Tensor;
 
 /// Of every registered network: as small_config(), with nearest upsampling, with more layers and larger
-/// kernels, with one tap, with exposure normalisation.
+/// kernels, with one tap, with exposure normalisation, of means.
 std::vector<NetworkConfig> exported_configs() {
   std::vector<NetworkConfig> configs;
   for (NetworkConfig config : every_config()) {
@@ -32,6 +32,9 @@ std::vector<NetworkConfig> exported_configs() {
     config.kernel_size = 1;
     config.kernel_generator = {};
     config.exposure_normalisation = false;
+    configs.push_back(config);
+    if (config.name != "pixel_gather" && config.name != "pixel_splat") continue;
+    config.means = true;
     configs.push_back(config);
   }
   return configs;

@@ -8,6 +8,7 @@
 #include "core/file_io.h"
 #include "core/tone_map.h"
 #include "frame/frame_file.h"
+#include "frame/picture_place.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/exr_parts.h"
 #include "tests/support/temporary_folder.h"
@@ -41,13 +42,14 @@ TEST(ImageFile, KeepsTheFloorOfAReference) {
   const ReferenceFloor floor = {{"psnr", std::numeric_limits<double>::infinity()}, {"relmse", 1.25e-7}};
   write_image(folder / "with.exr", image, {}, floor);
   write_image(folder / "without.exr", image);
-  ReferenceFloor found;
-  EXPECT_EQ(read_image(folder / "with.exr", nullptr, &found).pixels, image.pixels);
-  EXPECT_EQ(found, floor);
-  read_image(folder / "without.exr", nullptr, &found);
-  EXPECT_TRUE(found.empty());
+  const auto read = [&](const char* name) {
+    return read_reference(folder / name, read_place(folder / name), "the frame");
+  };
+  EXPECT_EQ(read("with.exr").image.pixels, image.pixels);
+  EXPECT_EQ(read("with.exr").floor, floor);
+  EXPECT_TRUE(read("without.exr").floor.empty());
   write_image(folder / "wrong.exr", image, {}, {{"ssim", std::nan("")}});
-  EXPECT_ERROR(read_image(folder / "wrong.exr", nullptr, &found), "'ldFloor.ssim' is not a number");
+  EXPECT_ERROR(read("wrong.exr"), "'ldFloor.ssim' is not a number");
   EXPECT_EQ(read_image(folder / "wrong.exr").width, 5) << "who does not ask for it does not mind";
 }
 

@@ -66,7 +66,7 @@ TEST(Hdf5, ADataSetSurvives) {
     EXPECT_EQ(after.frame.features, before.frame.features);
     EXPECT_EQ(after.frame.valid, before.frame.valid);
     EXPECT_EQ(after.frame.info.depth_scale, 4);
-    EXPECT_EQ(after.reference.pixels, before.reference.pixels);
+    EXPECT_EQ(after.reference.image.pixels, before.reference.image.pixels);
     for (int s = 0; s < 2; ++s)
       for (int c = 0; c < kSampleChannels; ++c)
         for (size_t p = 0; p < 48; ++p) {

@@ -169,7 +169,7 @@ TEST(Presets, ADataSetThatIsReadBack) {
   EXPECT_EQ(pair.frame.features, frame.features);
   EXPECT_EQ(pair.frame.alpha, frame.alpha);
   expect_surface(pair.frame, 2, kPlane, 3e-3F);
-  EXPECT_NEAR(pair.reference.at(2, 14, 6), 1.5F, 1e-2F);
+  EXPECT_NEAR(pair.reference.image.at(2, 14, 6), 1.5F, 1e-2F);
 
   ImportedPicture sample = import_picture(kFixtures / "cycles/sample_02.exr", mapping);
   EXPECT_ERROR(add_to_data_set(place, frame, sample), "sample 2 is the reference itself");

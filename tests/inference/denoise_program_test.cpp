@@ -288,7 +288,7 @@ TEST_F(DenoiseProgram, WrongCommandLinesAreOneLine) {
   };
   expect_failure(denoise({"--max-memory", "1"}), 2, {"budget of 1 MB", "the smallest is"});
   expect_failure(denoise({"--kernel-at", "1;2"}), 2, {"X,Y"});
-  expect_failure(denoise({"--camera", "c.yaml"}), 2, {"--preset"});
+  expect_failure(denoise({"--camera", "c.yaml"}), 2, {"is a frame"});
   EXPECT_FALSE(fs::exists(path("x.exr")));
 }
 

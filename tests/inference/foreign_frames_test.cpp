@@ -181,7 +181,7 @@ TEST_F(ForeignFrames, OptionsTakeOneValueInAnyOrder) {
     EXPECT_EQ(result.exit_code, 0) << result.output;
   }
   expect_failure(run({"--set", "layer=L", path("order.exr"), "--output", path("order_out.exr")}), 2,
-                 {"--set", "--preset"});
+                 {"--set", "is a frame"});
 }
 
 TEST_F(ForeignFrames, WhatCannotBeWrittenIsRefusedBeforeTheWork) {

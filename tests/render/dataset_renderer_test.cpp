@@ -11,6 +11,7 @@
 #include "core/file_io.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
+#include "frame/picture_place.h"
 #include "metrics/metric.h"
 #include "render/image_renderer.h"
 #include "tests/support/expect_error.h"
@@ -189,10 +190,12 @@ TEST(DatasetRenderer, ReferencesInPartsKnowTheirFloor) {
   recipe.indirect_clamp = 5;
   render_dataset(recipe, folder / "one", 0, 2, 1);
   render_dataset(recipe, folder / "three", 0, 2, 3);
-  ReferenceFloor floor;
-  read_image(reference_path(folder / "plain", frame_name(0)), nullptr, &floor);
-  EXPECT_TRUE(floor.empty());
-  read_image(reference_path(folder / "one", frame_name(0)), nullptr, &floor);
+  const auto floor_of = [&](const char* set) {
+    const std::filesystem::path path = reference_path(folder / set, frame_name(0));
+    return read_reference(path, read_place(path), "the frame").floor;
+  };
+  EXPECT_TRUE(floor_of("plain").empty());
+  const ReferenceFloor floor = floor_of("one");
   EXPECT_EQ(floor.size(), metrics().size());
   EXPECT_GT(floor.at("relmse"), 0);
   EXPECT_LT(floor.at("ssim"), 1);

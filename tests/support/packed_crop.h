@@ -45,7 +45,7 @@ inline PackedFrame pack(const Frame& frame, const Image& reference,
                         const std::vector<std::string>& features) {
   FramePair pair;
   pair.frame = frame;
-  pair.reference = reference;
+  pair.reference.image = reference;
   return pack(pair, features);
 }
 

@@ -39,11 +39,14 @@ Report inspect(const fs::path& path, const InspectOptions& options) {
     inspect_exr(report);
   } else if (extension == ".safetensors") {
     inspect_tensors(report);
+  } else if (extension == ".onnx") {
+    inspect_onnx(report);
   } else if (extension == ".yaml" || extension == ".yml") {
     inspect_config(report);
   } else {
-    report.problems.push_back(fmt::format(
-        "unknown extension '{}'; expected a .exr, .safetensors or .yaml file, or a folder", extension));
+    report.problems.push_back(
+        fmt::format("unknown extension '{}'; expected a .exr, .safetensors, .onnx or .yaml file, or a folder",
+                    extension));
   }
   return report;
 }

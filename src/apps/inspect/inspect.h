@@ -22,6 +22,7 @@ Report inspect(const std::filesystem::path& path, const InspectOptions& options)
 void inspect_exr(Report& report);
 void inspect_dataset(Report& report, const InspectOptions& options);
 void inspect_config(Report& report);
+void inspect_onnx(Report& report);
 void inspect_tensors(Report& report);  // a .safetensors file: weights or other tensors
 void inspect_checkpoint(Report& report);
 void inspect_run(Report& report);

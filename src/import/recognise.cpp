@@ -1,0 +1,44 @@
+#include "import/recognise.h"
+
+#include <fmt/ranges.h>
+
+#include "core/error.h"
+#include "frame/frame_file.h"
+#include "import/source_plan.h"
+
+namespace ld {
+
+bool is_frame(const ExrReader& exr) {
+  for (int part = 0; part < exr.parts(); ++part)
+    if (sample_number(exr.part_name(part)) >= 0) return true;
+  return false;
+}
+
+std::string recognise_preset(const ExrReader& exr) {
+  std::string best, doubt;
+  size_t most = 0;
+  for (const std::string& name : preset_names()) {
+    const ImportMapping mapping = read_mapping(name, {}, {});
+    if (!holds_radiance(exr, mapping)) continue;
+    try {
+      const std::vector<SourceSample> samples = plan_samples(exr, mapping, Wanted::all);
+      const size_t found = samples[0].features.size() + (samples[0].alpha.mapping != nullptr ? 1 : 0);
+      if (found <= most) continue;
+      most = found;
+      best = name;
+    } catch (const Error& error) {
+      doubt = error.what();
+    }
+  }
+  if (!best.empty()) return best;
+  if (!doubt.empty()) fail("{}", doubt);
+  std::string channels;
+  for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
+    channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
+  fail(
+      "{}: no picture that the presets ({}) know; the file has {}; say which channels are what with "
+      "--mapping",
+      exr.path(), fmt::join(preset_names(), ", "), channels);
+}
+
+}  // namespace ld

@@ -1,0 +1,98 @@
+// What ld_denoise does for those who name files and nothing else: whose files they are, which weights, which
+// samples.
+#include <gtest/gtest.h>
+
+#include "frame/exr_reader.h"
+#include "frame/frame_file.h"
+#include "import/recognise.h"
+#include "inference/frame_sequence.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/random_frame.h"
+#include "tests/support/run_program.h"
+#include "weights/released.h"
+#include "weights/weight_file.h"
+
+namespace ld {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kFixtures = fs::path(LD_SOURCE_DIR) / "tests/fixtures/import";
+
+TEST(OneCommand, RendersAreRecognisedByTheirChannels) {
+  for (const auto& [folder, preset] :
+       {std::pair{"cycles", "cycles"}, {"cycles5", "cycles"}, {"mitsuba", "mitsuba"}}) {
+    const ExrReader exr(kFixtures / folder / "sample_00.exr");
+    EXPECT_FALSE(is_frame(exr)) << folder;
+    EXPECT_EQ(recognise_preset(exr), preset) << folder;
+  }
+}
+
+TEST(OneCommand, FramesAreToldFromRendersAndWhatIsNeitherIsAnError) {
+  const TemporaryFolder folder;
+  write_frame(folder / "frame.exr", random_frame(5, 4, 2));
+  EXPECT_TRUE(is_frame(ExrReader(folder / "frame.exr")));
+  write_image(folder / "grey.exr", Image(5, 4, 1));
+  EXPECT_ERROR(recognise_preset(ExrReader(folder / "grey.exr")), "the file has Y");
+  write_image(folder / "plain.exr", Image(5, 4, 3));
+  EXPECT_EQ(recognise_preset(ExrReader(folder / "plain.exr")), "mitsuba");
+}
+
+TEST(OneCommand, QuotedPatternsAreTheFilesThatFit) {
+  const TemporaryFolder folder;
+  for (const char* name : {"b_2.exr", "b_1.exr", "c.exr", "odd[1].exr"})
+    write_image(folder / name, Image(1, 1, 3));
+  const auto at = [&](const char* name) { return (folder / name).string(); };
+  EXPECT_EQ(expand_names({at("b_?.exr"), at("c.exr")}),
+            (std::vector<std::string>{at("b_1.exr"), at("b_2.exr"), at("c.exr")}));
+  EXPECT_EQ(expand_names({at("odd[1].exr")}), std::vector<std::string>{at("odd[1].exr")})
+      << "a file of that name";
+  EXPECT_ERROR(expand_names({at("z*.exr")}), "no file fits");
+  EXPECT_EQ(first_file({at("b_#.exr")}, {}), at("b_1.exr"));
+  EXPECT_EQ(first_file({at("b_#.exr")}, FrameRange{2, 9}), at("b_2.exr"));
+  EXPECT_EQ(first_file({at("z_#.exr")}, {}), "");
+}
+
+TEST(OneCommand, WeightsAreFoundByName) {
+  const std::vector<std::string> names = released_models();
+  for (const char* name : {"common_fast", "common_fine", "means"})
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  EXPECT_EQ(resolve_model("common").filename(), "common_fine.safetensors");
+  EXPECT_EQ(read_weights_header(SafetensorsFile(resolve_model("means"))).network.means, true);
+  EXPECT_ERROR(resolve_model("comon"), "one of the released common_fast, common_fine");
+}
+
+TEST(OneCommand, SamplesOfOneFrameBecomeAPicture) {
+  const TemporaryFolder folder;
+  const std::string output = (folder / "denoised.exr").string();
+  for (const char* renderer : {"cycles", "mitsuba"}) {
+    const ProgramResult result = run_program("ld_denoise", {(kFixtures / renderer / "sample_*.exr").string(),
+                                                            "--output", output, "--threads", "1"});
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    for (const std::string& text :
+         {fmt::format("renders as preset {} has them", renderer), std::string("samples of one frame"),
+          std::string("radiance: "), std::string("albedo: "), std::string("normal")})
+      EXPECT_NE(result.output.find(text), std::string::npos) << text << "\n" << result.output;
+    int64_t bad = -1;
+    const Image image = read_image(output, &bad);
+    EXPECT_EQ(bad, 0);
+    EXPECT_GT(*std::max_element(image.pixels.begin(), image.pixels.end()), 0.1F);
+  }
+}
+
+TEST(OneCommand, ARenderAloneIsDenoisedByItsMeans) {
+  const TemporaryFolder folder;
+  const std::string output = (folder / "denoised.exr").string(),
+                    input = (kFixtures / "cycles/sample_00.exr").string();
+  const ProgramResult result = run_program("ld_denoise", {input, "--output", output, "--threads", "1"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("denoised with the model 'means'"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("normal left out: ViewLayer.Normal.X needs the camera"), std::string::npos)
+      << result.output;
+  const ProgramResult named =
+      run_program("ld_denoise", {input, "--output", output, "--model", "common_fast", "--threads", "1"});
+  EXPECT_EQ(named.exit_code, 0) << named.output;
+  EXPECT_EQ(named.output.find("'means'"), std::string::npos) << "whoever names weights gets them";
+}
+
+}  // namespace
+}  // namespace ld
