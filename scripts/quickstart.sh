@@ -15,12 +15,12 @@ cmake --build --preset release
 step "3/6 Render random scenes: samples and references"
 build/bin/ld_render --recipe data/recipes/quick.yaml --out $out/data
 step "4/6 Train"
-build/bin/ld_train --config configs/quick.yaml data.path=$out/data --out $out/run
+build/bin/ld_train --config configs/quick_pixel_splat.yaml data.path=$out/data epochs=127 --out $out/run
 step "5/6 Export weights and denoise a frame of the test split"
 build/bin/ld_export --model $out/run --format safetensors --out $out/quick.safetensors
 frame=$(ls $out/data/frame_*.exr | grep -v reference | tail -n 1)
 build/bin/ld_denoise --model $out/quick.safetensors "$frame" --output $out/denoised.exr
 step "6/6 Evaluate on the test split, beside released weights that were trained for longer on other scenes"
-build/bin/ld_eval --data $out/data --model layer=$out/quick.safetensors --model released=models/pretrained/common_fine.safetensors \
+build/bin/ld_eval --data $out/data --model trained=$out/quick.safetensors --model released=models/pretrained/common_fine.safetensors \
   --out $out/eval --json $out/metrics.json
 step "Done: table in $out/metrics.json, comparison strips in $out/eval/, weights in $out/quick.safetensors"

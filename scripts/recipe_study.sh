@@ -65,7 +65,7 @@ pixel_splat_multiscale"
 changes=${CHANGES:-$all}
 
 # `arguments` prints words that may hold blanks, in brackets: one per "key=".
-split() { sed -E 's/ ([a-z_.]+=)/\n\1/g' <<< "$1"; }
+split() { sed -E 's/ ([a-z0-9_.]+=)/\n\1/g' <<< "$1"; }
 
 mkdir -p "$out"
 for seed in $seeds; do

@@ -9,6 +9,7 @@
 #   SAMPLES  default "1 2 4 8 16"
 #   MODELS   weights (default: models/pretrained/*.safetensors), called by their names
 #   SPLIT    default test
+#   REPEATS  runs of each picture by Open Image Denoise, whose median time counts (default 3)
 #   BIN      default build/bin
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -32,7 +33,7 @@ for set in "$@"; do
       for prefilter in "" --prefilter; do
         method=oidn_$quality${prefilter:+_prefiltered}
         $python scripts/peers/oidn_denoise.py --data "$data" --split "$split" --samples "$samples" --quality $quality $prefilter \
-          --threads 1 --repeats 3 --out "$folder/$method" > "$folder/oidn.log"
+          --threads 1 --repeats "${REPEATS:-3}" --out "$folder/$method" > "$folder/oidn.log"
         images+=(--images "$method=$folder/$method")
       done
     done

@@ -8,7 +8,7 @@
 # out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone, from random weights if there is neither. A cycle that was
 # interrupted goes on bit for bit when the script is started again. After a cycle whose validation beats the released weights' on the
 # same frames, those are replaced, with their card. Environment:
-#   NAMES   networks, in this order (default: common_fast common_fine samples_fast samples_fine)
+#   NAMES   networks, in this order (default: common_fast common_fine means samples_fast samples_fine)
 #   CYCLES  how many cycles, over all networks (default: for ever)
 #   BIN     default build/bin
 set -euo pipefail
@@ -18,7 +18,7 @@ if [ $# -lt 1 ] || [ $# -gt 2 ]; then
   exit 2
 fi
 data=$1 minutes=${2:-60} bin=${BIN:-build/bin} out=out/release
-names=${NAMES:-common_fast common_fine samples_fast samples_fine}
+names=${NAMES:-common_fast common_fine means samples_fast samples_fine}
 cycles=${CYCLES:-0}
 export OMP_WAIT_POLICY=passive
 renice -n 19 $$ > /dev/null
@@ -54,10 +54,14 @@ train_cycle() {
   local new old=inf card=${released%.safetensors}.md hours
   hours=$(python3 scripts/release_card.py hours "$card" "$run")
   if [ -e "$released" ]; then old=$(score "$released"); fi
-  new=$(score "$run")
+  # What is scored is what is released: weights in float16, whatever their rounding does.
+  local candidate=$out/$name/candidate.safetensors
+  "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 1 --card "$out/$name/candidate.md" --out "$candidate"
+  new=$(score "$candidate")
   echo "== $name, cycle $n: validation SMAPE $new, released $old"
   if python3 -c "import sys; sys.exit(not float('$new') < float('$old'))"; then
-    "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 0.05 --card "$card" --out "$released"
+    mv "$out/$name/candidate.md" "$card"
+    mv "$candidate" "$released"
     python3 scripts/release_card.py write "$card" "$name" "$data" "$out/score.json" "$hours"
   fi
 }
