@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "frame/frame_file.h"
 #include "import/source_plan.h"
@@ -15,9 +17,13 @@ bool is_frame(const ExrReader& exr) {
 }
 
 std::string recognise_preset(const ExrReader& exr) {
+  // Plain R, G and B could be anybody's; then the first counts.
+  std::vector<std::string> names = preset_names();
+  std::stable_partition(names.begin(), names.end(),
+                        [](const std::string& name) { return name == "mitsuba"; });
   std::string best, doubt;
   size_t most = 0;
-  for (const std::string& name : preset_names()) {
+  for (const std::string& name : names) {
     const ImportMapping mapping = read_mapping(name, {}, {});
     if (!holds_radiance(exr, mapping)) continue;
     try {

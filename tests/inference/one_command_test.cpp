@@ -1,5 +1,8 @@
 // What ld_denoise does for those who name files and nothing else: whose files they are, which weights, which
 // samples.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfOutputFile.h>
 #include <gtest/gtest.h>
 
 #include "frame/exr_reader.h"
@@ -25,6 +28,41 @@ TEST(OneCommand, RendersAreRecognisedByTheirChannels) {
     EXPECT_FALSE(is_frame(exr)) << folder;
     EXPECT_EQ(recognise_preset(exr), preset) << folder;
   }
+}
+
+/// A file of one pixel with these channels.
+void write_channels(const fs::path& path, const std::vector<std::string>& channels) {
+  Imf::Header header(1, 1);
+  std::vector<float> values(channels.size(), 0.5F);
+  Imf::FrameBuffer buffer;
+  for (size_t c = 0; c < channels.size(); ++c) {
+    header.channels().insert(channels[c], Imf::Channel(Imf::FLOAT));
+    buffer.insert(channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(&values[c]), 4, 4));
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(1);
+}
+
+TEST(OneCommand, LayoutsOfWhichNoFileIsAtHandAreToldApart) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> picture = {"R", "G", "B", "A"}, position = {"P.X", "P.Y", "P.Z"},
+                                 normal = {"N.X", "N.Y", "N.Z"};
+  const auto preset_of = [&](const std::vector<std::vector<std::string>>& groups) {
+    std::vector<std::string> channels;
+    for (const auto& group : groups) channels.insert(channels.end(), group.begin(), group.end());
+    write_channels(folder / "file.exr", channels);
+    return recognise_preset(ExrReader(folder / "file.exr"));
+  };
+  EXPECT_EQ(
+      preset_of({picture, normal, position, {"diffuse_albedo.R", "diffuse_albedo.G", "diffuse_albedo.B"}}),
+      "arnold");
+  EXPECT_EQ(preset_of({{"R", "G", "B"},
+                       normal,
+                       position,
+                       {"Ns.X", "Ns.Y", "Ns.Z"},
+                       {"Albedo.R", "Albedo.G", "Albedo.B"}}),
+            "pbrt");
 }
 
 TEST(OneCommand, FramesAreToldFromRendersAndWhatIsNeitherIsAnError) {
