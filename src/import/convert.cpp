@@ -37,7 +37,6 @@ bool needs_fov(const FeatureMapping& mapping) {
 
 Converter::Converter(int width, int height, const Windows& windows, std::optional<ViewCamera> camera)
     : width_(width),
-      height_(height),
       windows_(windows),
       picture_(picture_of(width, height, windows)),
       camera_(std::move(camera)) {

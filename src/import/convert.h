@@ -43,7 +43,7 @@ class Converter {
   double depth_at(const FeatureMapping& mapping, const Planes& scaled, size_t pixel) const;
   void movement(const FeatureMapping& mapping, Planes& planes) const;
 
-  int width_, height_;
+  int width_;
   Windows windows_;
   Picture picture_;
   std::optional<ViewCamera> camera_;
