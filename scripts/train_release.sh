@@ -55,12 +55,12 @@ train_cycle() {
   hours=$(python3 scripts/release_card.py hours "$card" "$run")
   if [ -e "$released" ]; then old=$(score "$released"); fi
   # What is scored is what is released: weights in float16, whatever their rounding does.
-  local candidate=$out/$name/candidate.safetensors
-  "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 1 --card "$out/$name/candidate.md" --out "$candidate"
+  local candidate=$out/$name/$name.safetensors
+  "$bin/ld_export" --model "$run" --format safetensors --dtype f16 --allowed 1 --card "$out/$name/$name.md" --out "$candidate"
   new=$(score "$candidate")
   echo "== $name, cycle $n: validation SMAPE $new, released $old"
   if python3 -c "import sys; sys.exit(not float('$new') < float('$old'))"; then
-    mv "$out/$name/candidate.md" "$card"
+    mv "$out/$name/$name.md" "$card"
     mv "$candidate" "$released"
     python3 scripts/release_card.py write "$card" "$name" "$data" "$out/score.json" "$hours"
   fi
