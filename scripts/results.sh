@@ -32,8 +32,9 @@ for set in "$@"; do
     for quality in fast balanced high; do
       for prefilter in "" --prefilter; do
         method=oidn_$quality${prefilter:+_prefiltered}
-        $python scripts/peers/oidn_denoise.py --data "$data" --split "$split" --samples "$samples" --quality $quality $prefilter \
-          --threads 1 --repeats "${REPEATS:-3}" --out "$folder/$method" > "$folder/oidn.log"
+        [ -e "$folder/$method/cost.json" ] || $python scripts/peers/oidn_denoise.py --data "$data" --split "$split" --samples "$samples" --quality $quality $prefilter \
+          --threads 1 --repeats "${REPEATS:-3}" --out "$folder/$method" > "$folder/oidn.log" ||
+          { echo "results.sh: $method ended with $? at $samples samples: left out" >&2; continue; }
         images+=(--images "$method=$folder/$method")
       done
     done

@@ -52,7 +52,9 @@ def by_samples(name: str, folders: dict, metric: str) -> None:
     print("| method | " + " | ".join(str(n) for n in folders) + " |")
     print("| :--- |" + " ---: |" * len(folders))
     for method in next(iter(folders.values())):
-        cells = [f"{mean(f[metric] for f in scores[method].values()):.{digits}f}" for scores in folders.values()]
+        # A program that ended without its pictures (results.sh says so) has none there.
+        cells = [f"{mean(f[metric] for f in scores[method].values()):.{digits}f}" if method in scores else "-"
+                 for scores in folders.values()]
         print(f"| {method} | " + " | ".join(cells) + " |")
 
 
