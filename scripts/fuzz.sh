@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Coverage-guided fuzzing of everything that reads files (tests/fuzz), with address and undefined-behaviour sanitizers:
+# Coverage-guided fuzzing of what reads files (tests/fuzz), with address and undefined-behaviour sanitizers:
 #
 #   scripts/fuzz.sh [MINUTES] [TARGET...]
 #
-# MINUTES for each target (default 20); TARGET: exr, mapping, manifest, weights, hdf5, gltf (default: all). Builds in build-fuzz/ with clang
+# MINUTES for each target (default 20); TARGET: exr, mapping, manifest, weights, hdf5 (default: all). Builds in build-fuzz/ with clang
 # (scripts/setup.sh --dev installs it). Seeds are the fixtures of the tests and small files that the programs of build/bin make; what was found to
 # reach further stays in out/fuzz/TARGET/. An input that ends a target is left in out/fuzz/TARGET.crash-*, and the exit code is 1.
 set -euo pipefail
@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 minutes=${1:-20}
 shift || true
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(exr mapping manifest weights hdf5 gltf)
+[ ${#targets[@]} -gt 0 ] || targets=(exr mapping manifest weights hdf5)
 clang=$(command -v clang++ || command -v clang++-14) || { echo "fuzz.sh: found no clang++; run scripts/setup.sh --dev" >&2; exit 1; }
 cmake -S . -B build-fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER="$clang" -DLD_FUZZ=ON -DLD_BUILD_TESTS=OFF > build-fuzz.log
 cmake --build build-fuzz --target "${targets[@]/#/fuzz_}"
@@ -23,7 +23,6 @@ seeds() { # TARGET
     manifest) find tests/fixtures out -maxdepth 3 -name manifest.json -size -40k 2> /dev/null | head -5 ;;
     weights) find out/fuzz_seeds -name '*.safetensors' ;;
     hdf5) find tests/fixtures out/fuzz_seeds -name '*.h5' ;;
-    gltf) find tests/fixtures \( -name '*.gltf' -o -name '*.glb' \) ;;
   esac
 }
 

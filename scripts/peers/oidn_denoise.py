@@ -90,9 +90,10 @@ def denoise(device, images, repeats, quality="high", prefilter=False):
     Path("/proc/self/clear_refs").write_text("5")
     before = status_mb("VmRSS")
     filters = []
+    given = dict(images)  # Open Image Denoise borrows the arrays: whoever replaces one must keep it alive
     if prefilter:
         for name in ("albedo", "normal"):
-            oidn, images[name] = make_filter(device, {name: images[name]}, quality)
+            oidn, images[name] = make_filter(device, {name: given[name]}, quality)
             filters.append(oidn)
     oidn, output = make_filter(device, images, quality, hdr=True, cleanAux=prefilter)
     filters.append(oidn)
