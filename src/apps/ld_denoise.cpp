@@ -12,6 +12,7 @@
 #include "inference/denoise_job.h"
 #include "ops/runtime.h"
 #include "weights/released.h"
+#include "weights/weight_file.h"
 
 namespace {
 
@@ -120,7 +121,7 @@ ld::DenoiseJob job_of(const Options& o) {
   const std::filesystem::path first = ld::first_file(inputs, range);
   job.render = render_input(o, first);
   job.tasks = ld::plan_sequence(inputs, o.output, range, job.render.mapping.has_value());
-  job.model = model_for(o, job, first);
+  job.model = ld::resolve_model(model_for(o, job, first));
   job.max_memory_bytes = o.max_memory << 20;
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;

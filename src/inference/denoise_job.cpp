@@ -170,7 +170,7 @@ class Run {
   const DenoiseJob& job_;
   Denoiser denoiser_;
   // Of the weights, not their name: equal ones make equal files wherever they lie.
-  std::string checksum_ = file_checksum(resolve_model(job_.model));
+  std::string checksum_ = file_checksum(job_.model);
   Progress progress_;
   DenoiseOptions how_;
   int64_t done_ = 0;
