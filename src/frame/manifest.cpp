@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/json_text.h"
+#include "core/shown_text.h"
 #include "frame/schema.h"
 
 namespace ld {
@@ -85,7 +86,7 @@ Manifest parse_manifest(const fs::path& path) {
   const json root = parse_json(read_file(path), file);
   const Entry top(root, file);
   if (top.text("format") != kFormat)
-    fail("{}: \"format\" is \"{}\"; expected \"{}\"", file, top.text("format"), kFormat);
+    fail("{}: \"format\" is \"{}\"; expected \"{}\"", file, shown(top.text("format")), kFormat);
   const auto version = top.whole<int64_t>("version");
   if (version != kManifestVersion)
     fail("{}: \"version\" is {}; this program reads version {}; {}", file, version, kManifestVersion,

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/shown_text.h"
 #include "frame/schema.h"
 #include "import/channel_pattern.h"
 
@@ -110,7 +111,7 @@ std::vector<Found> radiance_of(const ExrReader& exr, const ImportMapping& mappin
   for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
     channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
   fail("{}: no radiance: nothing fits {}; the file has {}; choose another --preset or --mapping", exr.path(),
-       fmt::join(radiance.channels, ", "), channels);
+       shown(fmt::format("{}", fmt::join(radiance.channels, ", ")), 400), channels);
 }
 
 }  // namespace

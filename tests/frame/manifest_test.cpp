@@ -80,6 +80,7 @@ TEST(Manifest, EveryMistakeIsNamed) {
   EXPECT_ERROR(read("{\"format\": "), "not valid JSON");
   EXPECT_ERROR(read("[]"), "expected an object");
   EXPECT_ERROR(read("{}"), "no \"format\"");
+  EXPECT_ERROR(read("{\"format\": \"a\\nb\"}"), "is \"a\\x0ab\"");
   EXPECT_ERROR(read(R"({"format": "other", "version": 1, "frames": []})"), "\"format\" is \"other\"");
   EXPECT_ERROR(read(R"({"format": "ld-dataset", "frames": []})"), "no \"version\"");
   EXPECT_ERROR(read(R"({"format": "ld-dataset", "version": 2, "frames": []})"), "use a newer version");
