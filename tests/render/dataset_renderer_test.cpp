@@ -156,7 +156,8 @@ TEST(DatasetRenderer, AnotherRecipesFolderIsAnError) {
   Recipe recipe = small_recipe();
   render_dataset(recipe, folder / "data", 0, 1, 2);
   recipe.seed = 2;
-  EXPECT_ERROR(render_dataset(recipe, folder / "data", 1, 2, 2), "another recipe");
+  EXPECT_ERROR(render_dataset(recipe, folder / "data", 1, 2, 2),
+               "holds frames of another seed (1 there, 2 here)");
   EXPECT_FALSE(std::filesystem::exists(frame_path(folder / "data", frame_name(1))));
 }
 
