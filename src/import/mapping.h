@@ -13,20 +13,21 @@ namespace ld {
 /// One feature. Its value is scale * channel + offset, component by component, then what `space`, `kind` and
 /// `unit` say.
 struct FeatureMapping {
-  std::string feature;                            // of the schema, or "alpha"
-  std::vector<std::string> channels;              // a pattern for each component; empty: not there
-  std::string part;                               // pattern of the part's name; empty: ImportMapping::part
-  std::vector<double> scale = {1}, offset = {0};  // one for all components or one each
-  bool per_sample = true;                         // false: one plane for all samples, found in the first file
-  std::string space = "view";                     // of normals
-  bool face_camera = false;                       // normals that look away are turned round
-  std::string kind;                               // of depth and roughness
-  bool inverse = false;                           // the channel holds 1 / depth
-  double near = 0;                                // distances begin at this depth
-  double escaped_above = 65504;                   // channel values from here on are rays that escaped
-  std::vector<double> escaped_at;                 // and these
-  double maximum = 65504;                         // of colours: what is above is set to it
-  std::string unit = "pixels";                    // of motion and flow
+  std::string feature;                // of the schema, or "alpha"
+  std::vector<std::string> channels;  // a pattern for each component; empty: not there
+  std::string part;                   // pattern of the part's name; empty: ImportMapping::part
+  std::vector<double> scale = {1};    // one number for all components or one each
+  std::vector<double> offset = {0};   // likewise; value = scale * channel + offset
+  bool per_sample = true;             // false: one plane for all samples, found in the first file
+  std::string space = "view";         // of normals
+  bool face_camera = false;           // normals that look away are turned round
+  std::string kind;                   // of depth and roughness
+  bool inverse = false;               // the channel holds 1 / depth
+  double near = 0;                    // distances begin at this depth
+  double escaped_above = 65504;       // channel values from here on are rays that escaped
+  std::vector<double> escaped_at;     // and these
+  double maximum = 65504;             // of colours: what is above is set to it
+  std::string unit = "pixels";        // of motion and flow
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -63,7 +64,7 @@ struct ImportMapping {
   std::string about;        // for people
   std::string layer = "*";  // what {layer} in patterns stands for
   std::string part = "*";   // pattern of the names of parts that are looked at
-  FeatureMapping alpha;
+  FeatureMapping alpha;     // as a feature, with one channel
   /// All features of the schema, each with its second choice behind it: taken where a file lacks the first.
   std::vector<FeatureMapping> features;
 

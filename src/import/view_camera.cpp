@@ -13,10 +13,13 @@ namespace ld {
 namespace {
 
 struct CameraConfig {
-  std::vector<double> camera_to_world;
-  std::vector<double> position, look_at, up = {0, 1, 0};
-  double fov_y = 0;
-  int64_t width = 0, height = 0;
+  std::vector<double> camera_to_world;  // four rows of four numbers, for column vectors
+  std::vector<double> position;         // instead of camera_to_world
+  std::vector<double> look_at;          // with `position`: a point in the middle of the picture
+  std::vector<double> up = {0, 1, 0};   // with `position`: what is upwards in the picture
+  double fov_y = 0;                     // vertical field of view, radians; 0: not known
+  int64_t width = 0;                    // compared with the picture's display window; 0: not compared
+  int64_t height = 0;                   // likewise
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -90,6 +93,10 @@ Imath::V3d ray_through(const Picture& picture, const Windows& windows, double fo
   const double px = windows.x + (x + 0.5) - picture.left, py = windows.y + (y + 0.5) - picture.top;
   return {(2 * px - picture.width) / picture.height * half_height,
           (1 - 2 * py / picture.height) * half_height, -1};
+}
+
+std::vector<ConfigKey> camera_keys() {
+  return config_keys<CameraConfig>();
 }
 
 ViewCamera read_camera(const std::filesystem::path& path) {

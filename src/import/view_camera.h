@@ -8,7 +8,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/config_keys.h"
 #include "frame/frame.h"
 
 namespace ld {
@@ -40,6 +42,9 @@ Imath::V3d ray_through(const Picture& picture, const Windows& windows, double fo
 /// Reads camera_to_world (4 rows of 4 numbers, for column vectors) or position, look_at and up; fov_y; width,
 /// height. Throws UsageError: neither or both, a matrix that does more than turn, move and scale evenly.
 ViewCamera read_camera(const std::filesystem::path& path);
+
+/// The keys of such a file.
+std::vector<ConfigKey> camera_keys();
 
 /// The camera of the attribute worldToCamera, if there is one: OpenEXR's 4x4 matrix for row vectors; one that
 /// has its translation in the last column is read as for column vectors. A left-handed camera looks along +z,

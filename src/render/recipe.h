@@ -31,17 +31,21 @@ struct SplitNumbers {
 };
 
 struct Recipe {
-  uint64_t seed = 1;
-  std::vector<int64_t> resolution = {256, 256};  // width, height
-  int64_t spp = 8;                               // samples kept one by one
-  SplitNumbers reference_spp = {1024, 1024, 1024, 1};
-  SplitNumbers frames = {64, 4, 8, 0};
-  int64_t max_bounces = 5;
+  uint64_t seed = 1;                                   // of scenes and samples
+  std::vector<int64_t> resolution = {256, 256};        // width, height
+  int64_t spp = 8;                                     // samples kept one by one
+  SplitNumbers reference_spp = {1024, 1024, 1024, 1};  // paths a pixel of the references of a split
+  SplitNumbers frames = {64, 4, 8, 0};                 // how many frames a split has
+  int64_t max_bounces = 5;               // scatterings between camera and light; 0: only what shines itself
   std::string sampling = "independent";  // of the frames' samples; low_discrepancy spreads a pixel's evenly
   std::string guides = "first_hit";      // or through_specular: what mirrors and glass show
   bool half_radiance = false;            // samples at half the width and height beside each frame
-  double path_regularisation = 0;        // PathSettings::regularisation, of samples and references alike
-  double indirect_clamp = 0;             // PathSettings::indirect_clamp, likewise
+  /// The least roughness of later surfaces once a path was scattered broadly, of samples and references alike
+  /// (PathSettings::regularisation); 0: off.
+  double path_regularisation = 0;
+  /// The largest channel that light may bring over two or more bounces, likewise
+  /// (PathSettings::indirect_clamp); 0: off.
+  double indirect_clamp = 0;
   std::string reference_estimator = "mean";  // or robust: robust_mean of the parts
   int64_t reference_parts = 1;  // independent parts of a reference; from 2 on it knows its own floor
   SceneConfig scenes;

@@ -17,8 +17,8 @@ struct SceneFileConfig {
   std::string
       checksum;       // of the file, of what it refers to and of the probe; filled in when the recipe is read
   std::string probe;  // equirectangular picture (OpenImageIO) as the background, instead of the file's
-  double probe_scale = 1;
-  double probe_turn = 0;  // degrees counter-clockwise as seen from +y
+  double probe_scale = 1;  // its radiance times this
+  double probe_turn = 0;   // degrees counter-clockwise as seen from +y
   std::string background =
       "auto";                // where there is no probe; auto: a sky for files without any light, else black
   bool ground = false;       // a grey plane under the scene
