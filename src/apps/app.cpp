@@ -19,8 +19,8 @@ Application::Application(std::string name, const std::string& description)
       .add_option("--threads", threads_,
                   "threads to use (default: OMP_NUM_THREADS, else the CPUs of this process)")
       ->check(CLI::Range(1, 4096));
-  options_.add_option("--seed", seed_, "random seed (default: the one in the recipe or config)");
-  options_.add_option("--json", json_path_, "also write the result as JSON to this file");
+  options_.add_option("--seed", seed_, "random seed (default: that of the recipe or config, else 1)");
+  options_.add_option("--json", json_path_, "also write the result as JSON to this file (default: nowhere)");
 }
 
 int Application::run(int argc, char** argv, const std::function<void()>& body) {

@@ -92,16 +92,19 @@ void declare_tradeoff(CLI::App& command, ld::TradeoffOptions& tradeoff, std::str
   command.fallthrough();
   command.add_option("--data", tradeoff.data, "data set")->required();
   command.add_option("--split", tradeoff.split, "which frames")->capture_default_str();
-  command.add_option("--model", tradeoff.models, "NAME=FILE: weights, checkpoint or run; may be repeated");
-  command.add_option("--images", tradeoff.images,
-                     "NAME=DIR: another denoiser's pictures of the same frames and its cost.json");
+  command.add_option("--model", tradeoff.models,
+                     "NAME=FILE: weights, checkpoint or run; may be repeated (default: none)");
+  command.add_option(
+      "--images", tradeoff.images,
+      "NAME=DIR: another denoiser's pictures of the same frames and its cost.json (default: none)");
   command.add_option("--metric", tradeoff.metric, "the error of the figure and of what counts as beaten")
       ->capture_default_str();
   command.add_option("--frames-limit", tradeoff.frames_limit, "only the first so many frames (default: all)");
   command.add_option("--repeats", tradeoff.repeats, "timed runs of each model on each frame")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--out", out, "folder for tradeoff.md and tradeoff.svg");
+  command.add_option("--out", out,
+                     "folder for tradeoff.md and tradeoff.svg (default: the table is printed, no more)");
 }
 
 void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
@@ -141,9 +144,11 @@ Commands declare(CLI::App& app, Options& options) {
     command->add_flag("--quick", options.sizes.quick, "small networks, tiny pictures, one run: a test");
   }
   for (CLI::App* command : {commands.ops, commands.network}) {
-    command->add_option("--out", options.out, "folder for the tables (.md) and figures (.svg)");
+    command->add_option(
+        "--out", options.out,
+        "folder for the tables (.md) and figures (.svg) (default: tables are printed, no more)");
     command->add_option("--only", options.only,
-                        "only this row; may be repeated; leaves out the rest of it all");
+                        "only this row; may be repeated; leaves out the rest of it all (default: all rows)");
     command->add_option("--configs", options.sizes.configs, "folder of the networks' YAML files")
         ->capture_default_str();
   }
@@ -153,6 +158,11 @@ Commands declare(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   app.require_subcommand(1);
+  app.footer(
+      "ld_bench SUBCOMMAND --help lists the options of each.\n\n"
+      "Examples:\n"
+      "  ld_bench ops --quick\n"
+      "  ld_bench tradeoff --data out/quickstart/data --model mine=out/run --out out/tradeoff");
   return commands;
 }
 

@@ -37,29 +37,33 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--output", o.output,
                  "picture to write (.exr, .png), with #### for a sequence; a folder for several inputs")
       ->required();
-  app.add_option("--noisy", o.noisy,
-                 "also write the mean of the samples, of a single picture, here (.exr, .png)");
+  app.add_option(
+      "--noisy", o.noisy,
+      "also write the mean of the samples, of a single picture, here (.exr, .png; default: nowhere)");
   app.add_option("--frames", o.frames, "A:B denoises frames A to B - 1 (default: all that there are)");
   app.add_option("--samples", o.samples, "only the first so many samples of each frame (default: all)")
       ->check(CLI::Range(1, 4096));
   app.add_flag("--skip-existing", o.skip_existing, "leave pictures alone that are there already");
-  app.add_option("--max-memory", o.max_memory, "MB that the process may take, the samples of the input aside")
+  app.add_option("--max-memory", o.max_memory,
+                 "MB that the process may take, the samples of the input aside (default: no bound)")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
   app.add_flag("--float", o.full_float, "full floats in EXR (default: half)");
-  ld::repeated(
-      app.add_option("--aovs", o.aovs,
-                     "EXR parts for looking: layers, contributions, unfiltered; with commas, or repeated"))
+  ld::repeated(app.add_option("--aovs", o.aovs,
+                              "EXR parts for looking, separated by commas, or repeated (default: none)"))
       ->delimiter(',')
       ->check(CLI::IsMember({"layers", "contributions", "unfiltered"}));
-  ld::repeated(app.add_option("--kernel-at", o.kernels_at,
-                              "X,Y: EXR parts with the kernels of that pixel; may be repeated"));
+  ld::repeated(
+      app.add_option("--kernel-at", o.kernels_at,
+                     "X,Y: EXR parts with the kernels of that pixel; may be repeated (default: none)"));
   app.add_option("--preset", o.preset,
                  fmt::format("who rendered them (default: told by their channels): {}",
                              fmt::join(ld::preset_names(), ", ")));
-  app.add_option("--mapping", o.mapping, "YAML file instead of a preset, see docs/import.md");
+  app.add_option("--mapping", o.mapping, "YAML file instead of a preset (docs/import.md)");
   ld::repeated(app.add_option("--set", o.assignments,
-                              "key.sub=value, on top of the preset or mapping; may be repeated"));
-  app.add_option("--camera", o.camera, "YAML file of the camera, see docs/import.md");
+                              "key.sub=value, on top of the preset or mapping; may be repeated; ld_inspect "
+                              "--keys mapping lists the keys"));
+  app.add_option("--camera", o.camera,
+                 "YAML file of the camera (docs/import.md; default: what the files say)");
   app.add_flag("--allow-identical", o.allow_identical, "let samples pass that are the same in every pixel");
 }
 
@@ -141,6 +145,10 @@ int main(int argc, char** argv) {
   Options options;
   ld::Application app("ld_denoise", "Denoises frames of samples with trained weights.");
   declare(app.options(), options);
+  app.options().footer(
+      "Examples:\n"
+      "  ld_denoise 'render_*.exr' --output denoised.exr\n"
+      "  ld_denoise --model out/run 'shot.####.exr' --frames 1:25 --output 'denoised.####.exr'");
   return app.run(argc, argv, [&] {
     const ld::DenoiseJob job = job_of(options);
     std::vector<std::filesystem::path> outputs = {options.noisy},

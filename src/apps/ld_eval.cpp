@@ -26,13 +26,15 @@ struct Options {
 void declare(CLI::App& app, Options& options) {
   app.add_option("--data", options.data, "data set: a folder with manifest.json")->required();
   app.add_option("--model", options.models,
-                 "NAME=FILE: weights, checkpoint folder or run folder; may be repeated");
-  app.add_option("--images", options.images,
-                 "NAME=DIR: pictures of another denoiser, DIR/FRAME.exr (linear); may be repeated");
+                 "NAME=FILE: weights, checkpoint folder or run folder; may be repeated (default: none)");
+  app.add_option(
+      "--images", options.images,
+      "NAME=DIR: pictures of another denoiser, DIR/FRAME.exr (linear); may be repeated (default: none)");
   app.add_option("--out", options.out, "folder for tables, pictures and report.html")->required();
   app.add_option("--split", options.split, "which frames: train, validation or test")->capture_default_str();
-  app.add_option("--baseline", options.baseline,
-                 "what the others are compared with (default: the first given)");
+  app.add_option(
+      "--baseline", options.baseline,
+      "what the others are compared with: one of their names, noisy or blur (default: the first given)");
   app.add_option("--frames-limit", options.frames_limit, "only the first so many frames (default: all)")
       ->check(CLI::Range(1, 1'000'000));
   app.add_option("--samples", options.samples, "only the first so many samples of each frame (default: all)")
@@ -61,6 +63,11 @@ int main(int argc, char** argv) {
   ld::Application app("ld_eval",
                       "Scores models and others' pictures against the noisy input and the best blur.");
   declare(app.options(), options);
+  app.options().footer(
+      "Examples:\n"
+      "  ld_eval --data out/quickstart/data --model mine=out/run --out out/eval\n"
+      "  ld_eval --data out/quickstart/data --model mine=out/run --images oidn=out/oidn --baseline oidn "
+      "--out out/eval");
 
   return app.run(argc, argv, [&] {
     const auto arguments = ld::parse_model_arguments(options.models);

@@ -42,19 +42,25 @@ int main(int argc, char** argv) {
   options.add_option("--out", out, "file to write")->required();
   options
       .add_option("--dtype", dtype,
-                  "number format of the weights: f16 (half the size) or f32 (every bit); default f16 for "
-                  "safetensors, f32 for onnx")
+                  "number format of the weights: f16 (half the size) or f32 (every bit) (default: f16 for "
+                  "safetensors, f32 for onnx)")
       ->check(CLI::IsMember({"f16", "f32"}));
-  options.add_option("--check-frame", frames,
-                     "frames (.exr) to measure the differences on, besides three random pictures");
-  options.add_option("--check-data", check_data,
-                     "also write those pictures and the network's output for them, as safetensors");
+  options.add_option(
+      "--check-frame", frames,
+      "frames (.exr) to measure the differences on, besides three random pictures (default: none)");
+  options.add_option(
+      "--check-data", check_data,
+      "also write those pictures and the network's output for them, as safetensors (default: nowhere)");
   options
       .add_option("--allowed", allowed,
                   "largest relative difference between the ONNX graph and the C++ network")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  options.add_option("--card", card, "also write a page about the file for people (.md)");
+  options.add_option("--card", card, "also write a page about the file for people (.md; default: nowhere)");
+  options.footer(
+      "Examples:\n"
+      "  ld_export --model out/run --format safetensors --out denoiser.safetensors\n"
+      "  ld_export --model out/run --format onnx --dtype f16 --out denoiser.onnx");
 
   return app.run(argc, argv, [&] {
     if (model.empty() == untrained.empty()) ld::fail_usage("give --model or --untrained");

@@ -37,29 +37,39 @@ int main(int argc, char** argv) {
       "Renders random scenes, or views of a scene file, to frames of samples with references, a data set for "
       "training. Frames that the folder holds already are kept, so running it again finishes what is "
       "missing.");
-  app.options().add_option("--recipe", recipe_path, "YAML recipe, see data/recipes");
+  app.options().add_option("--recipe", recipe_path, "YAML recipe, as those in data/recipes");
   app.options().add_option(
       "--scene", scene,
       "scene file instead of a recipe: glTF, or what else Assimp reads (docs/rendering.md)");
-  app.options().add_option("--probe", probe,
-                           "with --scene: equirectangular picture (HDR, EXR) as the background");
+  app.options().add_option(
+      "--probe", probe,
+      "with --scene: equirectangular picture (HDR, EXR) as the background (default: that of the file)");
   app.options()
       .add_option(
           "--views", views,
           "with --scene: so many views, the file's cameras first (default: its cameras, at least one)")
       ->check(CLI::Range(int64_t{1}, int64_t{1000000}));
-  app.options().add_option("--out", folder, "folder of the data set");
+  app.options().add_option("--out", folder, "folder of the data set; needed unless --preview is there");
   app.options().add_option("--frames", range,
                            "A:B renders frames A to B - 1 of the recipe only (default: all)");
   app.options().add_option("--preview", preview,
                            "PNG to write instead: a contact sheet of the recipe's random scenes");
-  app.options().add_option("--columns", columns, "of the contact sheet")->check(CLI::Range(1, 1000));
-  app.options().add_option("--preview-spp", preview_spp, "paths a pixel of it")->check(CLI::Range(1, 65536));
+  app.options()
+      .add_option("--columns", columns, "pictures in a row of the contact sheet")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.options()
+      .add_option("--preview-spp", preview_spp, "paths a pixel of the contact sheet")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
   app.options().add_option(
       "overrides", overrides,
-      "key.sub=value, on top of the recipe: spp=8 reference_spp.train=4096 resolution=[512,512]; "
-      "max_bounces=5 are "
-      "the scatterings between camera and light (0: only what shines itself, 1: direct light)");
+      "key.sub=value, on top of the recipe; ld_inspect --keys recipe lists all keys and their defaults");
+  app.options().footer(
+      "Examples:\n"
+      "  ld_render --recipe data/recipes/quick.yaml --out out/data spp=4 resolution=[64,64]\n"
+      "  ld_render --scene scene.glb --views 24 --out out/data\n"
+      "  ld_render --recipe data/recipes/quick.yaml --preview sheet.png");
 
   return app.run(argc, argv, [&] {
     if (recipe_path.empty() == scene.empty())

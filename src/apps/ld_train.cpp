@@ -17,7 +17,14 @@ int main(int argc, char** argv) {
   ld::Application app("ld_train", "Trains a denoising network on a data set, or continues a training.");
   app.options().add_option("--config", config_path, "YAML configuration")->required();
   app.options().add_option("--out", run, "run folder: checkpoints, logs, resolved configuration")->required();
-  app.options().add_option("overrides", overrides, "key.sub=value, on top of the file");
+  app.options().add_option(
+      "overrides", overrides,
+      "key.sub=value, on top of the file; ld_inspect --keys train lists all keys and their defaults");
+  app.options().footer(
+      "Examples:\n"
+      "  ld_train --config configs/quick.yaml data.path=out/quickstart/data --out out/run\n"
+      "  ld_train --config configs/layer.yaml data.path=DATA network.features=auto run.minutes=60 --out "
+      "out/hour");
   for (int i = 0; i < argc; ++i) command += (i > 0 ? " " : "") + ld::shell_word(argv[i]);
 
   return app.run(argc, argv, [&] {

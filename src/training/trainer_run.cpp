@@ -122,8 +122,12 @@ void Trainer::announce() {
 }
 
 void Trainer::write_checkpoint(bool best) {
-  const nlohmann::ordered_json provenance = {
-      {"steps", state_.step}, {"dataset", state_.dataset}, {"program", "ld_train " LD_VERSION}};
+  nlohmann::ordered_json provenance = {{"steps", state_.step},
+                                       {"dataset", state_.dataset},
+                                       {"program", "ld_train " LD_VERSION},
+                                       {"seed", config_.seed},
+                                       {"loss", config_.loss}};
+  if (best) provenance["validation_loss"] = state_.best_score;
   checkpoints_.write(
       state_.step,
       [&](const std::filesystem::path& folder) {
