@@ -15,19 +15,19 @@ namespace ld {
 struct FeatureMapping {
   std::string feature;                // of the schema, or "alpha"
   std::vector<std::string> channels;  // a pattern for each component; empty: not there
-  std::string part;                   // pattern of the part's name; empty: ImportMapping::part
+  std::string part;                   // pattern of the part's name; empty: `part` of the mapping
   std::vector<double> scale = {1};    // one number for all components or one each
   std::vector<double> offset = {0};   // likewise; value = scale * channel + offset
   bool per_sample = true;             // false: one plane for all samples, found in the first file
-  std::string space = "view";         // of normals
-  bool face_camera = false;           // normals that look away are turned round
-  std::string kind;                   // of depth and roughness
-  bool inverse = false;               // the channel holds 1 / depth
+  std::string space = "view";         // that normals stand in
+  bool face_camera = false;           // true: normals that look away are turned round
+  std::string kind;                   // what the channels hold; empty: planar, or roughness
+  bool inverse = false;               // true: the channel holds 1 / depth
   double near = 0;                    // distances begin at this depth
   double escaped_above = 65504;       // channel values from here on are rays that escaped
-  std::vector<double> escaped_at;     // and these
-  double maximum = 65504;             // of colours: what is above is set to it
-  std::string unit = "pixels";        // of motion and flow
+  std::vector<double> escaped_at;     // channel values that are rays that escaped, too
+  double maximum = 65504;             // colours above it are set to it
+  std::string unit = "pixels";        // of the vectors
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -61,7 +61,7 @@ struct FeatureMapping {
 struct ImportMapping {
   ImportMapping();
 
-  std::string about;        // for people
+  std::string about;        // a text for people
   std::string layer = "*";  // what {layer} in patterns stands for
   std::string part = "*";   // pattern of the names of parts that are looked at
   FeatureMapping alpha;     // as a feature, with one channel

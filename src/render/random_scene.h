@@ -22,18 +22,18 @@ struct SceneConfig {
   double indoor = 0.5;                      // share of rooms; evenly spread over the frames
   double defocus = 0.5;                     // share of scenes with a thin lens instead of a pinhole
   double motion_blur = 0.5;                 // share of scenes with moving objects and an open shutter
-  std::vector<int64_t> objects = {10, 30};  // fewest and most in a scene
+  std::vector<int64_t> objects = {10, 30};  // fewest and most models in a scene
   std::vector<int64_t> outdoor_objects;     // the same outdoors; empty: as `objects`
   double turning = 0.5;                     // share of the moving objects that turn
   double camera_motion = 0.25;              // share of the scenes with motion blur whose camera moves too
-  std::string variety = "full";        // or simple: four shapes of five materials in bare rooms and plains
-  std::vector<std::string> rooms;      // kinds to choose from; empty: all
-  std::vector<std::string> backdrops;  // likewise, outdoors
-  std::string meshes;                  // folder of the user's own meshes; empty: none
-  std::string textures;                // folder of the user's own pictures; empty: none
-  std::string probes;                  // folder of the user's own probes; empty: none
-  double own_files = 0.5;              // share of models, textures and skies that come from these folders
-  std::string files;                   // checksum of the folders' files; filled when the recipe is read
+  std::string variety = "full";             // simple: four shapes of five materials in bare rooms and plains
+  std::vector<std::string> rooms;           // kinds of room to choose from; empty: all
+  std::vector<std::string> backdrops;       // kinds of backdrop to choose from; empty: all
+  std::string meshes;                       // folder of the user's own meshes; empty: none
+  std::string textures;                     // folder of the user's own pictures; empty: none
+  std::string probes;                       // folder of the user's own probes; empty: none
+  double own_files = 0.5;  // share of models, textures and skies that come from these folders
+  std::string files;       // checksum of the folders' files; filled when the recipe is read
 
   template <class Visitor>
   void visit(Visitor& v) {

@@ -38,15 +38,16 @@ struct Recipe {
   SplitNumbers frames = {64, 4, 8, 0};                 // how many frames a split has
   int64_t max_bounces = 5;               // scatterings between camera and light; 0: only what shines itself
   std::string sampling = "independent";  // of the frames' samples; low_discrepancy spreads a pixel's evenly
-  std::string guides = "first_hit";      // or through_specular: what mirrors and glass show
-  bool half_radiance = false;            // samples at half the width and height beside each frame
+  std::string guides =
+      "first_hit";             // of the first surface, or through_specular: of what mirrors and glass show
+  bool half_radiance = false;  // samples at half the width and height beside each frame
   /// The least roughness of later surfaces once a path was scattered broadly, of samples and references alike
-  /// (PathSettings::regularisation); 0: off.
+  /// (docs/rendering.md); 0: off.
   double path_regularisation = 0;
-  /// The largest channel that light may bring over two or more bounces, likewise
-  /// (PathSettings::indirect_clamp); 0: off.
+  /// The largest channel that light may bring over two or more bounces, of samples and references
+  /// alike; 0: off.
   double indirect_clamp = 0;
-  std::string reference_estimator = "mean";  // or robust: robust_mean of the parts
+  std::string reference_estimator = "mean";  // of the parts; robust leaves out what few of them have found
   int64_t reference_parts = 1;  // independent parts of a reference; from 2 on it knows its own floor
   SceneConfig scenes;
   SceneFileConfig scene_file;  // in place of `scenes` where it has a path

@@ -13,24 +13,23 @@ namespace ld {
 /// Views of a scene in a file (scene_file.h). Frame i below the number of the file's cameras is camera i as
 /// it stands; the others look from places around them, or around the whole scene when the file has no camera.
 struct SceneFileConfig {
-  std::string path;  // empty: random scenes; relative to the recipe
+  std::string path;  // relative to the recipe; empty: random scenes
   std::string
       checksum;       // of the file, of what it refers to and of the probe; filled in when the recipe is read
   std::string probe;  // equirectangular picture (OpenImageIO) as the background, instead of the file's
-  double probe_scale = 1;  // its radiance times this
-  double probe_turn = 0;   // degrees counter-clockwise as seen from +y
-  std::string background =
-      "auto";                // where there is no probe; auto: a sky for files without any light, else black
-  bool ground = false;       // a grey plane under the scene
-  double exposure = 1;       // times all light; 0: as the first view needs it
-  bool file_cameras = true;  // false: only generated views
-  double orbit = 30;         // degrees that generated views go around a camera's centre of interest
-  double defocus = 0.5;      // share of generated views with a thin lens
-  double motion_blur = 0.5;  // share of generated views with an open shutter
-  int64_t animation = 0;     // which of the file's
-  double time = 0;           // of its cameras' frames and of a sequence's first, seconds
-  double frame_time = 1.0 / 24;  // seconds
-  double shutter = 0.5;          // share of frame_time that it is open
+  double probe_scale = 1;           // its radiance times this
+  double probe_turn = 0;            // degrees counter-clockwise as seen from +y
+  std::string background = "auto";  // without a probe; auto: a sky for files without any light, else black
+  bool ground = false;              // a grey plane under the scene
+  double exposure = 1;              // all light times this; 0: as the first view needs it
+  bool file_cameras = true;         // false: only generated views
+  double orbit = 30;                // degrees that generated views go around a camera's centre of interest
+  double defocus = 0.5;             // share of generated views with a thin lens
+  double motion_blur = 0.5;         // share of generated views with an open shutter
+  int64_t animation = 0;            // which of the file's animations plays
+  double time = 0;  // seconds into the animation: of the file's cameras and of a sequence's first frame
+  double frame_time = 1.0 / 24;  // seconds between the frames of a sequence
+  double shutter = 0.5;          // share of frame_time that the shutter is open
 
   bool used() const { return !path.empty(); }
 
@@ -58,7 +57,7 @@ struct SceneFileConfig {
 /// Consecutive frames of one scene: frame i belongs to sequence i / length.
 struct SequenceConfig {
   int64_t length = 1;           // frames; 1: every frame its own scene
-  double shutter = 0.5;         // share of the time between frames that it is open; 0: an instant
+  double shutter = 0.5;         // share of the time between frames that the shutter is open; 0: an instant
   double speed = 1;             // of camera and objects; 0: all stand still
   int64_t noise_instances = 1;  // independent sets of samples a frame
 
