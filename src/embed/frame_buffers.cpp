@@ -44,6 +44,7 @@ Frame FrameBuffers::gather(const std::vector<std::string>& features,
     if (features_.count(name) == 0)
       fail_usage("feature '{}' has no buffer; these weights read it, set it with ld_set_feature", name);
   Frame frame(width_, height_, spp_);
+  frame.features.clear();
   for (const std::string& name : features)
     if (features_.count(name) > 0) frame.features.push_back(name);
   if (valid_ != nullptr)

@@ -1,6 +1,7 @@
 // The C interface against the class that it wraps, and what it says to wrong calls.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -114,6 +115,26 @@ TEST_F(Embed, AMemoryBoundChangesNoBitAndOneTooSmallIsRefused) {
   const std::string error = failure(LD_INVALID_ARGUMENT, [&] { denoiser_.denoise(picture.data()); });
   EXPECT_NE(error.find("MB"), std::string::npos) << error;
   EXPECT_EQ(picture, std::vector<float>(picture.size(), -1));
+}
+
+TEST(EmbedReleased, WeightsDoWithoutFeaturesThatAreNotSet) {
+  ld_set_threads(1);
+  const std::string weights = std::string(LD_SOURCE_DIR) + "/models/pretrained/common_fast.safetensors";
+  layered_denoiser::Denoiser denoiser(weights);
+  Frame frame = random_frame(13, 9, 3);
+  frame.features = {"radiance", "albedo"};
+  denoiser.set_size(frame.width, frame.height, frame.spp);
+  std::vector<std::vector<float>> buffers;
+  for (const std::string& name : frame.features)
+    denoiser.set_feature(name, buffers.emplace_back(samples_of(frame, name)).data());
+  std::vector<float> picture(3 * frame.plane_size());
+  denoiser.denoise(picture.data());
+  // Channels of features that a frame does not hold are 0.
+  for (int s = 0; s < frame.spp; ++s)
+    for (const Feature& feature : feature_schema())
+      if (!frame.holds(feature.name))
+        std::fill_n(frame.plane(s, feature.offset), size_t(feature.channels) * frame.plane_size(), 0.0F);
+  EXPECT_EQ(picture, Denoiser(weights).denoise(frame).pixels);
 }
 
 TEST_F(Embed, AMissingFeatureIsNamed) {

@@ -68,7 +68,9 @@ LD_API LdStatus ld_set_threads(int threads);
 LD_API LdStatus ld_create(const char* weights, LdDenoiser** denoiser);
 LD_API void ld_destroy(LdDenoiser* denoiser); /* NULL is fine */
 
-/* The features that these weights read; each must be set before ld_denoise(). */
+/* The features that these weights read. All must be set before ld_denoise(), but for those that the weights
+ * do without (network.optional of their training): of the released ones, all but "radiance". ld_denoise()
+ * names one that is missing. */
 LD_API int ld_feature_count(const LdDenoiser* denoiser);
 LD_API const char* ld_feature_name(const LdDenoiser* denoiser, int index); /* NULL beyond the count */
 LD_API int ld_feature_channels(const LdDenoiser* denoiser, int index);     /* 0 beyond the count */
@@ -85,14 +87,17 @@ LD_API LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const flo
 LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
 
 /* Bounds what the whole process takes while ld_denoise() runs, the samples' copy aside, in MB of 10^6 bytes:
- * program, libraries and your own memory count. 0 (the default): no bound. The picture is the same within
- * 1e-5. A bound that is too small makes ld_denoise() fail and name the smallest one. */
+ * program, libraries and your own memory count. 0 (the default): no bound. The bound changes no bit of
+ * the picture, unless the matrix library rounds products of fewer rows otherwise: then by 1e-5 of a value at
+ * most. A bound that is too small makes ld_denoise() fail and name the smallest one. */
 LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
 
 /* NULL (the default): none. */
 LD_API LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user);
 
-/* Denoises the frame into `picture`: linear R, G, B. It is written only when the call succeeds. */
+/* Denoises the frame into `picture`: linear R, G, B. It is written only when the call succeeds. With the
+ * same samples, weights, machine and number of threads, the bits are those that the program ld_denoise
+ * computes; its files hold them with --float. */
 LD_API LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strides);
 
 #ifdef __cplusplus

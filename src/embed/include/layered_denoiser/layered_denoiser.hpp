@@ -40,7 +40,7 @@ class Denoiser {
     denoiser_.reset(denoiser);
   }
 
-  /// What these weights read; each must be set before denoise().
+  /// What these weights read; all must be set before denoise() but for those that they do without.
   std::vector<Feature> features() const {
     std::vector<Feature> features;
     for (int i = 0; i < ld_feature_count(denoiser_.get()); ++i)
