@@ -41,9 +41,13 @@ GuideRecorder::GuideRecorder(const PreparedScene& scene, float time, bool throug
       guides_(guides) {}
 
 void GuideRecorder::place(const Surface& surface) {
-  const Camera& camera = scene_.scene().camera;
-  guides_.depth = camera_.depth(surface.position);
+  guides_.depth = camera_.depth(image_.position(surface.position));
   guides_.coc = camera_.circle_of_confusion(guides_.depth);
+}
+
+/// How the surface moves in the picture.
+void GuideRecorder::follow(const Surface& surface) {
+  const Camera& camera = scene_.scene().camera;
   const bool object = surface.object >= 0;
   const Object* moving = object ? &scene_.scene().objects[static_cast<size_t>(surface.object)] : nullptr;
   const Vec3 open = surface.at_open;
@@ -57,17 +61,18 @@ void GuideRecorder::place(const Surface& surface) {
 
 void GuideRecorder::escaped(Vec3 direction, bool first) {
   complete_ = true;
+  guides_.coc = camera_.circle_of_confusion_at_infinity();
   if (!first) {
     // What the mirror or glass shows is the sky, which has no surface.
     const Guides nothing;
     guides_.normal = nothing.normal;
+    guides_.depth = nothing.depth;
     guides_.albedo = nothing.albedo;
     guides_.specular = nothing.specular;
     guides_.roughness = nothing.roughness;
     return;
   }
   const Camera& camera = scene_.scene().camera;
-  guides_.coc = camera_.circle_of_confusion_at_infinity();
   if (camera.shutter && camera.close)
     guides_.motion = shift_at_infinity(camera.at(0), camera.at(1), direction);
   if (camera.previous) guides_.flow = shift_at_infinity(camera.at(0), camera.at_previous(), direction);
@@ -75,9 +80,10 @@ void GuideRecorder::escaped(Vec3 direction, bool first) {
 
 void GuideRecorder::light(const Surface& surface, Vec3 direction, Vec3 radiance, bool first) {
   complete_ = true;
-  if (first) place(surface);
-  guides_.normal = camera_.to_view(dot(surface.geometric_normal, direction) < 0 ? surface.geometric_normal
-                                                                                : -surface.geometric_normal);
+  place(surface);
+  if (first) follow(surface);
+  const Vec3 normal = surface.geometric_normal;
+  guides_.normal = camera_.to_view(image_.direction(dot(normal, direction) < 0 ? normal : -normal));
   guides_.albedo = is_black(radiance) ? Vec3{} : filter_ * radiance / max_component(radiance);
   guides_.specular = {};
   guides_.roughness = 1;
@@ -85,9 +91,10 @@ void GuideRecorder::light(const Surface& surface, Vec3 direction, Vec3 radiance,
 
 void GuideRecorder::surface(const Surface& surface, Vec3 normal, const Bsdf& bsdf, float roughness,
                             bool first) {
-  if (first) place(surface);
+  place(surface);
+  if (first) follow(surface);
   complete_ = !(through_specular_ && bsdf.is_delta());
-  guides_.normal = camera_.to_view(normal);
+  guides_.normal = camera_.to_view(image_.direction(normal));
   guides_.roughness = roughness;
   guides_.albedo = guides_.specular = {};
   const float r = (bsdf.eta - 1) / (bsdf.eta + 1);

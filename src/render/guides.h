@@ -3,6 +3,7 @@
 
 #include "frame/schema.h"
 #include "render/prepared_scene.h"
+#include "render/virtual_image.h"
 
 namespace ld {
 
@@ -37,10 +38,10 @@ struct Guides {
 /// The material's colours and index at a surface point, as the path tracer sees them.
 Bsdf bsdf_at(const Material& material, const Surface& surface, bool outside, float& roughness);
 
-/// Fills Guides as a path goes. By default all of it is the first hit's. With `through_specular`, normal,
-/// albedo, specular and roughness are those of the first surface that is neither mirror nor smooth
-/// dielectric, the colours multiplied by what the path passed on its way there; place and movement stay the
-/// first hit's.
+/// Fills Guides as a path goes. By default all of it is the first hit's. With `through_specular`, all but the
+/// movement, which stays the first hit's, is that of the first surface that is neither mirror nor smooth
+/// dielectric: the colours multiplied by what the path passed on its way there, depth, circle of confusion
+/// and normal those of its virtual image (render/virtual_image.h).
 class GuideRecorder {
  public:
   GuideRecorder(const PreparedScene& scene, float time, bool through_specular, Guides& guides);
@@ -52,19 +53,24 @@ class GuideRecorder {
   /// A surface with its shading normal (world, on the viewer's side) and what it is made of. Returns after
   /// noting whether the path goes on into what the surface mirrors or shows.
   void surface(const Surface& surface, Vec3 normal, const Bsdf& bsdf, float roughness, bool first);
-  /// What a perfectly specular surface multiplied the path by.
-  void pass(Vec3 weight) { filter_ *= weight; }
+  /// A perfectly specular surface multiplied the path by `weight` and turned it from `in` to `out`.
+  void pass(Vec3 weight, Vec3 position, Vec3 in, Vec3 out, bool reflected) {
+    filter_ *= weight;
+    image_.pass(position, in, out, reflected);
+  }
 
   bool complete() const { return complete_; }
 
  private:
   void place(const Surface& surface);
+  void follow(const Surface& surface);
 
   const PreparedScene& scene_;
   std::optional<Camera> moved_;  // at the sample's time, where the camera moves
   const Camera& camera_;         // that or the scene's
   bool through_specular_, complete_ = false;
   Vec3 filter_ = grey(1);
+  VirtualImage image_;
   Guides& guides_;
 };
 

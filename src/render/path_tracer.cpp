@@ -157,7 +157,8 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     if (!vertex.consistent(direction, scattered->wi)) return radiance;
     throughput *= scattered->weight;
     if (is_black(throughput)) return radiance;
-    if (record != nullptr && vertex.bsdf.is_delta()) record->pass(scattered->weight);
+    if (record != nullptr && vertex.bsdf.is_delta())
+      record->pass(scattered->weight, vertex.position, ray.direction, direction, scattered->wi.z > 0);
     only_way = scattered->delta;
     bsdf_pdf = scattered->pdf;
     if (scattered_times > 0 || !vertex.bsdf.is_delta()) ++scattered_times;
