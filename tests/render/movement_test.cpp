@@ -180,34 +180,6 @@ TEST(Movement, FlowLeadsToThePreviousFrame) {
   EXPECT_NEAR(guides.flow.y, 4, 1e-3) << "+y is down";
 }
 
-TEST(Movement, GuidesGoThroughMirrorsAndGlassWhenAsked) {
-  Scene scene = wall();
-  // A mirror at depth 4 that shows a red wall behind the camera.
-  scene.objects.push_back({make_parallelogram({-2, -2, -4}, {4, 0, 0}, {0, 4, 0}), 1, {}});
-  scene.objects.push_back({make_parallelogram({40, -40, 10}, {-80, 0, 0}, {0, 80, 0}), 2, {}});
-  scene.materials.push_back(plain_material(MaterialKind::mirror, {0.9F, 0.8F, 0.7F}, 0));
-  scene.materials.push_back(plain_material(MaterialKind::diffuse, {0.8F, 0.1F, 0.1F}));
-  const auto look = [&](bool through) {
-    const PreparedScene prepared(scene);
-    SampleNumbers numbers(RandomStream(1, RandomPurpose::test));
-    PathSettings settings;
-    settings.guides_through_specular = through;
-    Guides guides;
-    trace_path(prepared, scene.camera.ray({32, 32, {}, 0}), 0, numbers, settings, &guides);
-    return guides;
-  };
-  const Guides first = look(false), through = look(true);
-  EXPECT_FLOAT_EQ(first.specular.y, 0.8F);
-  EXPECT_EQ(first.albedo.x, 0);
-  EXPECT_EQ(first.roughness, 0);
-  EXPECT_NEAR(through.albedo.x, 0.8F * 0.9F, 1e-6);
-  EXPECT_EQ(through.specular.x, 0);
-  EXPECT_EQ(through.roughness, 1);
-  EXPECT_NEAR(through.normal.z, -1, 1e-6) << "of the wall behind the camera";
-  EXPECT_NEAR(first.normal.z, 1, 1e-6);
-  EXPECT_FLOAT_EQ(through.depth, 4) << "the place stays the mirror's";
-}
-
 TEST(Movement, IndependentPairsDifferByOneOverTheRootOfTheirSamples) {
   Scene scene = wall();
   Mesh ball = make_sphere(3);
