@@ -2,13 +2,10 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <functional>
 #include <map>
-#include <set>
 
 #include "core/error.h"
-#include "frame/schema.h"
 #include "models/layer_network.h"
 #include "models/optimized_network.h"
 #include "models/pixel_gather_network.h"
@@ -18,120 +15,26 @@
 namespace ld {
 namespace {
 
-struct Entry {
-  std::function<std::shared_ptr<Network>(const NetworkConfig&)> make;
-  bool has_layers, has_levels;
-};
+using Maker = std::function<std::shared_ptr<Network>(const NetworkConfig&)>;
 
 template <class T>
 std::shared_ptr<Network> make(const NetworkConfig& config) {
   return std::make_shared<T>(config);
 }
 
-constexpr size_t kMostResolutions = 15;  // pictures are padded to multiples of 2^15 at most
-
-/// A new network is one line here and one file beside this one.
-const std::map<std::string, Entry>& registry() {
-  static const std::map<std::string, Entry> networks = {
-      {"layer", {make<LayerNetwork>, true, false}},
-      {"optimized", {make<OptimizedNetwork>, true, true}},
-      {"pixel_gather", {make<PixelGatherNetwork>, false, false}},
-      {"pixel_splat", {make<PixelSplatNetwork>, false, false}},
-      {"sample_splat", {make<SampleSplatNetwork>, false, false}},
+/// A new network is one line here, one in check_network.cpp and one file beside this one.
+const std::map<std::string, Maker>& registry() {
+  static const std::map<std::string, Maker> networks = {
+      {"layer", make<LayerNetwork>},
+      {"optimized", make<OptimizedNetwork>},
+      {"pixel_gather", make<PixelGatherNetwork>},
+      {"pixel_splat", make<PixelSplatNetwork>},
+      {"sample_splat", make<SampleSplatNetwork>},
   };
   return networks;
 }
 
-void check_widths(const char* key, const std::vector<int64_t>& widths, bool may_be_empty) {
-  if (widths.empty() && !may_be_empty) fail_usage("network.{} is empty, expected at least one width", key);
-  for (const int64_t width : widths)
-    if (width < 1) fail_usage("network.{} has a width of {}, expected at least 1", key, width);
-}
-
-void check_choice(const char* key, const std::string& value, const std::vector<std::string>& choices) {
-  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
-  const std::string nearest = nearest_word(value, choices);
-  fail_usage("unknown network.{} '{}'; {}choose from {}", key, value,
-             nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(choices, ", "));
-}
-
-/// Keys that somebody set to choose between networks, on a network that cannot follow.
-void check_use(const NetworkConfig& config) {
-  const Entry& network = registry().at(config.name);
-  const NetworkConfig unset;
-  if (!network.has_layers && config.compositing != unset.compositing)
-    fail_usage("network.compositing is '{}', but network '{}' has no layers to composite; leave it out",
-               config.compositing, config.name);
-  if (!network.has_layers && config.layers != unset.layers)
-    fail_usage("network.layers is {}, but network '{}' has no layers; leave it out", config.layers,
-               config.name);
-  if (!network.has_levels && config.levels != unset.levels)
-    fail_usage(
-        "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized'",
-        config.levels, config.name);
-  if (config.rejection && config.name == "pixel_gather")
-    fail_usage(
-        "network.rejection is true, but network 'pixel_gather' weighs what it receives anyway; leave it out");
-  if (config.means && config.name != "pixel_gather" && config.name != "pixel_splat")
-    fail_usage(
-        "network.means is true, but network '{}' works on samples; use 'pixel_gather' or 'pixel_splat', or "
-        "leave "
-        "it out",
-        config.name);
-  if (network.has_levels && (config.levels < 1 || config.levels > UNet::resolutions(config.unet)))
-    fail_usage("network.levels is {}, expected 1 to {}: the U-net has so many resolutions", config.levels,
-               UNet::resolutions(config.unet));
-}
-
 }  // namespace
-
-// What the reader of the file cannot see: that the sizes fit together. Weight files bring configurations too.
-void check_network(const NetworkConfig& config) {
-  check_choice("name", config.name, network_names());
-  check_choice("compositing", config.compositing, {"alpha", "weighted"});
-  check_choice("unet.upsampling", config.unet.upsampling, {"bilinear", "nearest"});
-  check_choice("demodulation", config.demodulation, {"none", "albedo"});
-  check_choice("initialisation", config.initialisation, {"xavier", "he"});
-  if (config.features.empty())
-    fail_usage("network.features is empty, expected some of {}", fmt::join(feature_names(), ", "));
-  std::set<std::string> seen;
-  for (const std::string& feature : config.features)
-    if (find_feature(feature); !seen.insert(feature).second)
-      fail_usage("network.features names '{}' twice, expected each feature once", feature);
-  for (const std::string& feature : config.optional)
-    if (!config.auto_features() && seen.count(feature) == 0)
-      fail_usage("network.optional names '{}', which is not among network.features ({})", feature,
-                 fmt::join(config.features, ", "));
-  if (config.demodulation != "none" && !config.auto_features() &&
-      first_channel(config.features, "albedo") < 0)
-    fail_usage(
-        "network.demodulation is '{}', but network.features ({}) has no albedo to divide by; add albedo or "
-        "set "
-        "network.demodulation=none",
-        config.demodulation, fmt::join(config.features, ", "));
-  if (!(config.logit_bound >= 0))
-    fail_usage("network.logit_bound is {}, expected at least 0", config.logit_bound);
-  if (config.layers < 1) fail_usage("network.layers is {}, expected at least 1", config.layers);
-  if (config.kernel_size < 1 || config.kernel_size % 2 == 0)
-    fail_usage("network.kernel_size is {}, expected an odd number, so that a kernel has a centre",
-               config.kernel_size);
-  check_widths("sample_reducer", config.sample_reducer, false);
-  check_widths("sample_partitioner", config.sample_partitioner, true);
-  check_widths("kernel_generator", config.kernel_generator, true);
-  const UNetConfig& unet = config.unet;
-  if (unet.encoder.empty()) fail_usage("network.unet.encoder is empty, expected at least one block");
-  if (unet.encoder.size() > kMostResolutions)
-    fail_usage("network.unet.encoder has {} blocks, expected at most {}: each halves the picture",
-               unet.encoder.size(), kMostResolutions);
-  if (unet.encoder.size() != unet.decoder.size())
-    fail_usage("network.unet.encoder has {} blocks and network.unet.decoder {}, expected as many of both",
-               unet.encoder.size(), unet.decoder.size());
-  for (const auto& block : unet.encoder) check_widths("unet.encoder", block, false);
-  for (const auto& block : unet.decoder) check_widths("unet.decoder", block, false);
-  check_widths("unet.bottleneck", unet.bottleneck, false);
-  check_widths("unet.context", {unet.context}, false);
-  check_use(config);
-}
 
 torch::Tensor Network::forward(NetworkInput input) {
   check_input(input, config_);
@@ -158,15 +61,9 @@ Kernels Network::kernels(NetworkInput input) {
   return make_kernels(WholeInput(admit(WholeInput(std::move(input))).rows(0, height)));
 }
 
-std::vector<std::string> network_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, factory] : registry()) names.push_back(name);
-  return names;
-}
-
 std::shared_ptr<Network> make_network(const NetworkConfig& config) {
   check_network(config);
-  return registry().at(config.name).make(config);
+  return registry().at(config.name)(config);
 }
 
 }  // namespace ld

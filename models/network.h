@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "models/check_network.h"
 #include "models/network_config.h"
 #include "models/network_input.h"
 
@@ -66,13 +67,8 @@ class Network : public torch::nn::Module {
   InputFaults faults_;
 };
 
-/// Throws UsageError for an unknown name or sizes that do not fit together. Weights are uninitialised until
+/// Throws what check_network() throws. Weights are uninitialised until
 /// initialise() (models/initialise.h) or a weight file fills them.
 std::shared_ptr<Network> make_network(const NetworkConfig& config);
-
-/// Throws what make_network() throws, without making anything: a configuration may come from a damaged file.
-void check_network(const NetworkConfig& config);
-
-std::vector<std::string> network_names();
 
 }  // namespace ld

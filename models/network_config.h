@@ -13,11 +13,14 @@ namespace ld {
 
 struct UNetConfig {
   std::vector<std::vector<int64_t>> encoder = {
-      {64, 64}, {128}, {256}, {512}, {512}};  // a 2x2 max-pool after each block
-  std::vector<int64_t> bottleneck = {512};
+      {64, 64}, {128}, {256}, {512}, {512}};  // channels of its blocks, a 2x2 max-pool after each
+  std::vector<int64_t> bottleneck = {512};    // channels of the convolutions at the lowest resolution
+  /// Channels of its blocks, as many as the encoder has, upsampling before each.
   std::vector<std::vector<int64_t>> decoder = {{512, 512}, {256, 256}, {128, 128}, {128, 128}, {128, 128}};
-  int64_t context = 128;  // channels of the last 3x3 convolution, which has no activation
-  std::string upsampling = "bilinear";
+  int64_t context = 128;                // channels of the last 3x3 convolution, which has no activation
+  std::string upsampling = "bilinear";  // between the decoder's blocks
+
+  int64_t resolutions() const { return static_cast<int64_t>(decoder.size()) + 1; }
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -37,18 +40,20 @@ inline constexpr const char* kAutoFeatures = "auto";
 /// One struct for all networks; keys that a network has no use for are ignored, except where that would
 /// surprise (make_network).
 struct NetworkConfig {
-  std::string name = "layer";  // of the registry in network.cpp
-  std::vector<std::string> features = {"radiance", "normal", "depth", "albedo", "specular", "roughness",
-                                       "motion",   "coc",    "lens",  "time"};  // or {kAutoFeatures}
+  std::string name = "layer";  // which network (docs/networks.md)
+  /// What it reads of each sample (docs/data_format.md); auto: what all frames hold and what varies in them.
+  std::vector<std::string> features = {"radiance",  "normal", "depth", "albedo", "specular",
+                                       "roughness", "motion", "coc",   "lens",   "time"};
   /// Features that a frame may lack: zeros take their place. data.drop lets a training see that.
   std::vector<std::string> optional;
-  int64_t layers = 2;
-  std::string compositing = "alpha";  // or "weighted" ([MH20] section 3.1)
-  int64_t levels = 3;  // resolutions of network "optimized": full, 1/2, 1/4, ... ([MH20] section 6)
-  int64_t kernel_size = 17;
+  int64_t layers = 2;                 // how many, in networks that have layers
+  std::string compositing = "alpha";  // of the layers: front to back, or weighted ([MH20] section 3.1)
+  int64_t levels = 3;        // resolutions of network "optimized": full, 1/2, 1/4, ... ([MH20] section 6)
+  int64_t kernel_size = 17;  // taps a side; an odd number
   std::vector<int64_t> sample_reducer = {32, 32, 32};  // outputs of its layers; the last is the embedding
-  std::vector<int64_t> sample_partitioner = {32, 16};  // hidden layers; the output is `layers`
-  std::vector<int64_t> kernel_generator = {128, 128};  // hidden layers; the output is kernel_size squared
+  std::vector<int64_t> sample_partitioner = {32, 16};  // outputs of its hidden layers; the last has `layers`
+  std::vector<int64_t> kernel_generator = {
+      128, 128};  // outputs of its hidden layers; the last has kernel_size squared
   UNetConfig unet;
   /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
   /// (models/exposure.h): the result then scales with the radiance exactly.
@@ -56,13 +61,12 @@ struct NetworkConfig {
   /// The network sees of each pixel the mean of its samples alone, so that an ordinary picture will do
   /// (models/pixel_mean.h). Networks on pixels only.
   bool means = false;
-  std::string demodulation = "none";  // or "albedo" (models/demodulation.h)
+  std::string demodulation = "none";  // by the albedo, which keeps textures sharp (models/demodulation.h)
   /// Kernel logits are kept within (-c, c) by c x / (c + |x|) (ops/fully_connected.h); 0: not bounded, as
   /// [MH20] has it. A kernel of one tap alone has no gradient left to learn from.
   double logit_bound = 0;
-  bool rejection = false;  // of fireflies (models/rejection.h)
-  // How a training begins (models/initialise.h).
-  std::string initialisation = "xavier";  // or "he"
+  bool rejection = false;  // a pixel with a firefly can count less than others (models/rejection.h)
+  std::string initialisation = "xavier";  // of the weights of a new training (models/initialise.h)
   double initial_kernel = 0;              // deviation of the Gaussian that kernels begin as, pixels; 0: none
 
   bool auto_features() const { return features == std::vector<std::string>{kAutoFeatures}; }

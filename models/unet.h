@@ -60,8 +60,7 @@ class UNet : public torch::nn::Module {
   int64_t encode_bytes(const PictureSize& size, int64_t resolutions) const;
   int64_t coarse_bytes(const PictureSize& size, int64_t resolutions) const;
 
-  /// The resolutions that features() has, and the channels of each.
-  static int64_t resolutions(const UNetConfig& config) { return int64_t(config.decoder.size()) + 1; }
+  /// The channels of each of the config.resolutions() that features() has.
   static int64_t feature_channels(const UNetConfig& config, int64_t resolution);
 
  private:

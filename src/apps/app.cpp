@@ -9,8 +9,18 @@
 #include "core/log.h"
 #include "core/signals.h"
 #include "core/threads.h"
+#include "core/waiting.h"
 
 namespace ld {
+namespace {
+
+void before_all_libraries(int, char** argv, char** environment) {
+  wait_passively(argv, environment);
+}
+__attribute__((section(".preinit_array"), used)) void (*const preinit)(int, char**,
+                                                                       char**) = before_all_libraries;
+
+}  // namespace
 
 Application::Application(std::string name, const std::string& description)
     : name_(std::move(name)), options_(description, name_) {
@@ -24,12 +34,14 @@ Application::Application(std::string name, const std::string& description)
 }
 
 int Application::run(int argc, char** argv, const std::function<void()>& body) {
+  const auto complain = [&](const std::exception& error) {
+    std::cerr << name_ << ": " << error.what() << "; see " << name_ << " --help\n";
+    return 2;
+  };
   try {
     options_.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return options_.exit(error);  // --help, --version
-    std::cerr << name_ << ": " << error.what() << "; see " << name_ << " --help\n";
-    return 2;
+    return error.get_exit_code() == 0 ? options_.exit(error) : complain(error);  // 0: --help, --version
   }
   try {
     init_log(name_);
@@ -37,6 +49,8 @@ int Application::run(int argc, char** argv, const std::function<void()>& body) {
     if (threads_ == 0) threads_ = default_threads();
     body();
     return stop_exit_code();
+  } catch (const CommandLineError& error) {
+    return complain(error);
   } catch (const Error& error) {
     std::cerr << name_ << ": " << error.what() << "\n";
     return error.exit_code();

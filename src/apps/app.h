@@ -10,9 +10,23 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/error.h"
+
 namespace ld {
+
+/// A wrong command line that only the program can tell: run() adds where its options are explained.
+class CommandLineError : public UsageError {
+ public:
+  using UsageError::UsageError;
+};
+
+template <class... Args>
+[[noreturn]] void fail_command_line(fmt::format_string<Args...> format, Args&&... args) {
+  throw CommandLineError(fmt::format(format, std::forward<Args>(args)...));
+}
 
 /// Options are declared on `options()`, then run() parses and calls the body:
 ///   Application app("ld_render", "Random scenes to training frames.");

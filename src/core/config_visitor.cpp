@@ -61,8 +61,12 @@ std::vector<int64_t> parse_integers(const ConfigNode& node, const std::string& k
 
 std::string parse_text(const ConfigNode& node, const std::string& key, const Choices& choices) {
   if (node.kind != ConfigNode::Kind::scalar) wrong(node, key, "a text");
-  if (!choices.empty() && std::find(choices.begin(), choices.end(), node.text) == choices.end())
-    wrong(node, key, fmt::format("one of {}", fmt::join(choices, ", ")));
+  if (!choices.empty() && std::find(choices.begin(), choices.end(), node.text) == choices.end()) {
+    const std::string nearest = nearest_word(node.text, choices);
+    wrong(node, key,
+          fmt::format("one of {}{}", fmt::join(choices, ", "),
+                      nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", nearest)));
+  }
   return node.text;
 }
 

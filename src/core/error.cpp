@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/shown_text.h"
+
 namespace ld {
 namespace {
 
@@ -23,6 +25,8 @@ size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
+
+Error::Error(const std::string& message) : std::runtime_error(shown(message, message.size())) {}
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   std::string nearest;

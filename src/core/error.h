@@ -11,10 +11,11 @@
 
 namespace ld {
 
-/// A failure while running (missing file, damaged data, full disk): exit code 1.
+/// A failure while running (missing file, damaged data, full disk): exit code 1. A message is one line:
+/// control characters in it, which come from names and contents of files, are shown as \xNN.
 class Error : public std::runtime_error {
  public:
-  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  explicit Error(const std::string& message);
   virtual int exit_code() const { return 1; }
 };
 

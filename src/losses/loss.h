@@ -5,7 +5,8 @@
 
 #include <functional>
 #include <string>
-#include <vector>
+
+#include "losses/loss_names.h"
 
 namespace ld {
 
@@ -19,7 +20,5 @@ using Loss = std::function<torch::Tensor(const torch::Tensor& denoised, const to
 
 /// Throws UsageError with the nearest name when there is no such loss.
 Loss make_loss(const std::string& name);
-
-std::vector<std::string> loss_names();
 
 }  // namespace ld

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/config_visitor.h"
+#include "losses/loss_names.h"
 #include "models/network_config.h"
 
 namespace ld {
@@ -25,18 +26,18 @@ struct DataSetConfig {
 
 struct DataConfig {
   std::string path;                  // folder with manifest.json
-  std::vector<DataSetConfig> paths;  // several of them, in place of `path`
+  std::vector<DataSetConfig> paths;  // several data sets, in place of `path`
   int64_t crop = 128;                // side of the square crops, pixels
   int64_t batch = 4;                 // crops a batch, of all processes together
-  bool flips = true;                 // mirror in x and in y, each half of the time
-  bool rotations = true;             // 0, 90, 180 or 270 degrees
+  bool flips = true;                 // mirror crops in x and in y, each half of the time
+  bool rotations = true;             // turn crops by 0, 90, 180 or 270 degrees
   int64_t difficulty = 1;  // of so many crops of a frame, one is taken in proportion to how noisy it is
   // [LEAST, MOST]: how many of a frame's samples a batch uses (dataset/sample_draw.h); []: all of them.
   std::vector<int64_t> samples;
   int64_t validation_samples = 0;  // the first so many of each frame validate; 0: MOST, or all of them
   double drop = 0;                 // share of crops that lack a feature of network.optional, for each of them
   double exposure = 0;             // stops: radiance times 2^u, u uniform in [-exposure, exposure]
-  bool colours = false;            // the channels of all colours in any of their six orders
+  bool colours = false;            // give crops red, green and blue in any of their six orders
   std::string cache;               // folder of cache files; "": .cache in each data set; none: no files
   int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
   int64_t workers = 2;             // threads that prepare batches; 0: each when it is needed
@@ -65,7 +66,7 @@ struct DataConfig {
 struct OneCycleConfig {
   double rise = 0.3;    // share of the steps until the peak
   double start = 0.04;  // the first rate, as a fraction of the peak's
-  double end = 4e-6;    // the last one
+  double end = 4e-6;    // the last rate, likewise
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -76,14 +77,16 @@ struct OneCycleConfig {
 };
 
 struct OptimizerConfig {
-  std::string name = "adam";     // Adam (Kingma and Ba 2015), or adamw (Loshchilov and Hutter 2019)
-  double weight_decay = 0;       // of adamw: a step takes this times the rate of the weights away
-  double learning_rate = 0.005;  // the highest of the schedule
-  double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;
-  std::string schedule = "constant";  // training/schedule.h
+  std::string name = "adam";          // Adam (Kingma and Ba 2015), or adamw (Loshchilov and Hutter 2019)
+  double weight_decay = 0;            // of adamw: a step takes this times the rate of the weights away
+  double learning_rate = 0.005;       // the highest rate of the schedule
+  double beta1 = 0.9;                 // of Adam: decay of the averaged gradients
+  double beta2 = 0.999;               // of Adam: decay of the averaged squares of gradients
+  double epsilon = 1e-8;              // of Adam: added to the root of the averaged squares
+  std::string schedule = "constant";  // of the learning rate (training/schedule.h)
   OneCycleConfig one_cycle;
-  int64_t step_epochs = 100;  // schedule "step": after so many epochs ...
-  double step_factor = 0.5;   // ... times this
+  int64_t step_epochs = 100;  // of schedule "step": after so many epochs the rate falls
+  double step_factor = 0.5;   // of schedule "step": the rate times this
   int64_t warmup_steps = 0;   // the rate rises linearly over so many steps
   double clip_norm = 0;       // largest norm of all gradients together; 0: no limit
   double clip_value = 0;      // largest absolute gradient; 0: no limit
@@ -140,7 +143,7 @@ struct RunConfig {
 /// What counts as a collapse (training/collapse_watch.h), and what is done about it. May change between a run
 /// and its continuation.
 struct WatchConfig {
-  bool enabled = true;
+  bool enabled = true;       // notice a collapse and undo it
   double loss_factor = 1.5;  // a loss above this times the usual one is raised
   int64_t window = 25;       // steps whose median loss is looked at
   int64_t patience = 4;      // raised windows in a row that are a collapse
@@ -159,11 +162,11 @@ struct WatchConfig {
 };
 
 struct TrainConfig {
-  uint64_t seed = 1;
-  std::string init;  // weights to begin with: a weight file, checkpoint or run; "": random ones
-  std::string loss = "smape";
-  int64_t epochs = 1000;  // an epoch has as many crops as the training splits have frames
-  int64_t steps = 0;      // length of the schedule in place of `epochs`; 0: what run.minutes or they say
+  uint64_t seed = 1;           // of the first weights, of the order of the data, of the crops
+  std::string init;            // weights to begin with: a weight file, checkpoint or run; "": random ones
+  std::string loss = "smape";  // what a step makes smaller (docs/training.md)
+  int64_t epochs = 1000;  // length of the schedule; an epoch has a crop for each frame of the training splits
+  int64_t steps = 0;      // length of the schedule in place of `epochs`; 0: run.minutes or `epochs` decide
   NetworkConfig network;
   DataConfig data;
   OptimizerConfig optimizer;
@@ -174,7 +177,7 @@ struct TrainConfig {
   void visit(Visitor& v) {
     v.field("seed", seed);
     v.field("init", init);
-    v.field("loss", loss);
+    v.field("loss", loss, loss_names());
     v.field("epochs", epochs, at_least(1));
     v.field("steps", steps, at_least(0));
     v.section("network", network);

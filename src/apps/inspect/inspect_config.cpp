@@ -5,6 +5,7 @@
 #include "apps/inspect/inspect.h"
 #include "core/error.h"
 #include "frame/schema.h"
+#include "models/check_network.h"
 #include "render/recipe.h"
 #include "training/config.h"
 
@@ -54,8 +55,9 @@ void inspect_config(Report& report) {
           report.path);
     report.kind = "training config";
     const auto config = config_from_tree<TrainConfig>(root);
-    if (!config.network.auto_features())
-      for (const std::string& feature : config.network.features) find_feature(feature);
+    NetworkConfig network = config.network;
+    if (network.auto_features()) network.features = feature_names();  // any of them may come out
+    check_network(network);
     report.facts["network"] = config.network.name;
     report.facts["features"] = config.network.features;
     report.facts["loss"] = config.loss;
