@@ -17,7 +17,7 @@
 namespace {
 
 struct Options {
-  std::string model = "common", output, noisy, frames, preset, mapping, camera;
+  std::string model = "common", output, noisy, frames, preset, mapping, camera, view;
   std::vector<std::string> inputs, assignments, aovs, kernels_at;
   int64_t max_memory = 0;  // MB
   int samples = 0;
@@ -64,6 +64,8 @@ void declare(CLI::App& app, Options& o) {
                               "--keys mapping lists the keys"));
   app.add_option("--camera", o.camera,
                  "YAML file of the camera (docs/import.md; default: what the files say)");
+  app.add_option("--view", o.view,
+                 "of files with several views, such as left and right (default: the first)");
   app.add_flag("--allow-identical", o.allow_identical, "let samples pass that are the same in every pixel");
 }
 
@@ -72,10 +74,10 @@ void declare(CLI::App& app, Options& o) {
 std::string recognised(const Options& o, const std::filesystem::path& first) {
   if (first.empty()) return {};
   const ld::ExrReader exr(first);
-  if (!ld::is_frame(exr)) return ld::recognise_preset(exr);
-  if (!o.camera.empty() || !o.assignments.empty() || o.allow_identical)
+  if (!ld::is_frame(exr)) return ld::recognise_preset(exr, o.view);
+  if (!o.camera.empty() || !o.assignments.empty() || !o.view.empty() || o.allow_identical)
     ld::fail_usage(
-        "--camera, --set and --allow-identical go with renders of other programs, but {} is a frame",
+        "--camera, --set, --view and --allow-identical go with renders of other programs, but {} is a frame",
         first.string());
   return {};
 }
@@ -87,6 +89,7 @@ ld::RenderInput render_input(const Options& o, const std::filesystem::path& firs
   render.preset = o.preset.empty() && o.mapping.empty() ? recognised(o, first) : o.preset;
   if (render.preset.empty() && o.mapping.empty()) return render;
   render.mapping = ld::read_mapping(render.preset, o.mapping, o.assignments);
+  if (!o.view.empty()) render.mapping->view = o.view;
   if (!o.camera.empty()) render.camera = ld::read_camera(o.camera);
   return render;
 }

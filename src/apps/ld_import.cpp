@@ -19,7 +19,7 @@
 namespace {
 
 struct Options {
-  std::string preset, mapping, camera, reference, frame;
+  std::string preset, mapping, camera, view, reference, frame;
   std::vector<std::string> assignments, files;
   ld::DataSetPlace place;
   std::string from_hdf5, to_hdf5, depth = "linear";
@@ -37,6 +37,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--print-mapping", o.print_mapping,
                "print the preset's YAML, to start one's own from, and stop");
   app.add_option("--camera", o.camera, "YAML file of the camera, see docs/import.md");
+  app.add_option("--view", o.view,
+                 "of files with several views, such as left and right (default: the first)");
   app.add_option("--reference", o.reference, "the converged picture, in the same layout");
   app.add_option("--out", o.place.folder, "folder of the data set to add to");
   app.add_option("--name", o.place.name, "name of the frame in the data set");
@@ -71,8 +73,9 @@ void check(const Options& o) {
     if (o.place.folder.empty() || o.reference.empty() || (o.place.name.empty() && o.to_hdf5.empty()))
       ld::fail_usage(
           "HDF5 needs --out, --reference and, to read it, --name, which the names of frames begin with");
-    if (!o.files.empty() || !o.preset.empty() || !o.mapping.empty() || !o.frame.empty())
-      ld::fail_usage("HDF5 files have one layout: no preset, mapping, --frame or other files go with them");
+    if (!o.files.empty() || !o.preset.empty() || !o.mapping.empty() || !o.frame.empty() || !o.view.empty())
+      ld::fail_usage(
+          "HDF5 files have one layout: no preset, mapping, --view, --frame or other files go with them");
     need_split(o);
     return;
   }
@@ -148,7 +151,8 @@ int main(int argc, char** argv) {
       std::cout << ld::preset_text(options.preset) << std::flush;
       return;
     }
-    const ld::ImportMapping mapping = ld::read_mapping(options.preset, options.mapping, options.assignments);
+    ld::ImportMapping mapping = ld::read_mapping(options.preset, options.mapping, options.assignments);
+    if (!options.view.empty()) mapping.view = options.view;
     const bool alone = !options.frame.empty();
     if (!alone) ld::check_place(options.place);
     std::optional<ld::ViewCamera> camera;
@@ -156,6 +160,7 @@ int main(int argc, char** argv) {
 
     const ld::ImportedFrame imported = ld::import_frame({options.files.begin(), options.files.end()}, mapping,
                                                         camera, options.allow_identical);
+    mapping.view = imported.view;  // of the reference, too
     const ld::Frame& frame = imported.frame;
     const std::string target = alone ? options.frame : options.place.name;
     report(imported, target);
@@ -167,6 +172,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> absent;
     for (const std::string& feature : ld::feature_names())
       if (!frame.holds(feature)) absent.push_back(feature);
+    if (!imported.view_text.empty()) spdlog::info("{}: {}", target, imported.view_text);
     spdlog::info("{}: {} x {} pixels, {} samples; holds {}{}; absent {}", target, frame.width, frame.height,
                  frame.spp, fmt::join(frame.features, ", "), frame.alpha.empty() ? "" : ", alpha",
                  fmt::join(absent, ", "));

@@ -13,6 +13,7 @@
 #include "frame/exr_check.h"
 #include "frame/exr_reader.h"
 #include "frame/picture_place.h"
+#include "import/file_views.h"
 #include "import/source_plan.h"
 
 namespace ld {
@@ -57,7 +58,9 @@ std::vector<std::string> feature_list(const SourceSample& sample) {
   return names;
 }
 
-std::vector<std::string> unused_channels(const ExrReader& exr, const std::vector<SourceSample>& samples) {
+/// Of the view that was read.
+std::vector<std::string> unused_channels(const ExrReader& exr, const FileViews& views,
+                                         const std::vector<SourceSample>& samples) {
   std::set<std::pair<int, std::string>> used;
   for (const SourceSample& sample : samples) {
     for (const SourceFeature& feature : sample.features)
@@ -68,7 +71,7 @@ std::vector<std::string> unused_channels(const ExrReader& exr, const std::vector
   for (int part = 0; part < exr.parts(); ++part) {
     const Imf::ChannelList& channels = exr.header(part).channels();
     for (auto it = channels.begin(); it != channels.end(); ++it)
-      if (used.count({part, it.name()}) == 0)
+      if (used.count({part, it.name()}) == 0 && views.name_of(part, it.name()))
         unused.push_back(exr.parts() > 1 ? fmt::format("{} of part '{}'", it.name(), exr.part_name(part))
                                          : it.name());
   }
@@ -100,8 +103,8 @@ std::string describe(const ViewCamera& camera) {
 /// Fills a frame sample by sample.
 class FrameBuilder {
  public:
-  FrameBuilder(const ImportMapping& mapping, std::optional<ViewCamera> camera, bool allow_identical)
-      : mapping_(mapping), camera_(std::move(camera)), allow_identical_(allow_identical) {}
+  FrameBuilder(ImportMapping mapping, std::optional<ViewCamera> camera, bool allow_identical)
+      : mapping_(std::move(mapping)), camera_(std::move(camera)), allow_identical_(allow_identical) {}
 
   /// Looks at a file's header only.
   void survey(const std::filesystem::path& path) {
@@ -163,12 +166,16 @@ class FrameBuilder {
     extent_ = extent_of(exr, sample.features[0].channels[0].part);
     features_ = feature_list(sample);
     has_alpha_ = sample.alpha.mapping != nullptr;
-    if (!camera_)
-      for (int part = 0; part < exr.parts() && !camera_; ++part)
-        camera_ = camera_of(exr.header(part), exr.path());
+    const FileViews views(exr, mapping_.view);
+    if (!camera_) camera_ = views.camera();
+    mapping_.view = views.chosen();  // of all files, whichever is their own hero
+    result_.view = views.chosen();
+    if (views.all().size() > 1)
+      result_.view_text = fmt::format("view: {}, of {}; --view NAME takes another", views.chosen(),
+                                      fmt::join(views.all(), ", "));
     for (const SourceFeature& feature : sample.features) result_.taken.push_back(taken_text(feature));
     if (has_alpha_) result_.taken.push_back(taken_text(sample.alpha));
-    result_.unused = unused_channels(exr, plan_samples(exr, mapping_, Wanted::all));
+    result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all));
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
     converter_.emplace(extent_.width, extent_.height, extent_.windows, camera_);
@@ -239,7 +246,7 @@ class FrameBuilder {
         "depth left out: it says that every ray escaped, but the normals show surfaces; is the pass empty?");
   }
 
-  const ImportMapping& mapping_;
+  ImportMapping mapping_;
   std::optional<ViewCamera> camera_;
   bool allow_identical_;
   std::string first_file_;
@@ -267,7 +274,9 @@ ImportedFrame import_frame(const std::vector<std::filesystem::path>& files, cons
 
 ImportedPicture import_picture(const std::filesystem::path& file, const ImportMapping& mapping) {
   const ExrReader exr(file);
-  const std::vector<SourceSample> samples = plan_samples(exr, mapping, Wanted::picture);
+  ImportMapping own = mapping;
+  if (FileViews(exr, "").all().empty()) own.view.clear();  // whose view it is goes without saying
+  const std::vector<SourceSample> samples = plan_samples(exr, own, Wanted::picture);
   if (samples.size() != 1)
     fail("{}: holds {} samples; expected one converged picture", exr.path(), samples.size());
   const SourceSample& picture = samples[0];

@@ -18,6 +18,8 @@ struct ImportedFrame {
   ConversionCounts counts;
   std::vector<std::string> repeated;  // features that are the same in all samples (per_sample: false)
   std::vector<std::string> notes;     // what users should know, a line each
+  std::string view;                   // that was read; empty where the files have none
+  std::string view_text;              // of which ones it is, for users; empty where there is one at most
   std::vector<std::string> taken;     // "normal: Ns.X, Ns.Y, Ns.Z" of the first file, a line for each feature
   std::vector<std::string> unused;    // channels of the first file that no feature took, with their parts
 };
@@ -34,7 +36,7 @@ struct ImportedPicture {
   Windows windows;
 };
 
-/// Radiance and alpha of a converged picture.
+/// Radiance and alpha of a converged picture: of the mapping's view, or of a file that has no views.
 ImportedPicture import_picture(const std::filesystem::path& file, const ImportMapping& mapping);
 
 struct DataSetPlace {

@@ -64,6 +64,7 @@ struct ImportMapping {
   std::string about;        // a text for people
   std::string layer = "*";  // what {layer} in patterns stands for
   std::string part = "*";   // pattern of the names of parts that are looked at
+  std::string view;         // of a file with several; empty: the hero
   FeatureMapping alpha;     // as a feature, with one channel
   /// All features of the schema, each with its second choice behind it: taken where a file lacks the first.
   std::vector<FeatureMapping> features;
@@ -73,6 +74,7 @@ struct ImportMapping {
     v.field("about", about);
     v.field("layer", layer);
     v.field("part", part);
+    v.field("view", view);
     v.section("alpha", alpha);
     for (size_t i = 0; i < features.size(); ++i)
       v.section(features[i].feature + (i % 2 == 0 ? "" : "_2"), features[i]);

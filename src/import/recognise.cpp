@@ -16,7 +16,19 @@ bool is_frame(const ExrReader& exr) {
   return false;
 }
 
-std::string recognise_preset(const ExrReader& exr) {
+namespace {
+
+/// How much of the file speaks for the preset: features in channels that are more than one letter.
+size_t evidence(const ExrReader& exr, const SourceSample& sample) {
+  size_t found = sample.alpha.mapping != nullptr ? 1 : 0;
+  for (const SourceFeature& source : sample.features)
+    if (exr.parts() > 1 || source.channels[0].name.size() > 1) ++found;
+  return found;
+}
+
+}  // namespace
+
+std::string recognise_preset(const ExrReader& exr, const std::string& view) {
   // Plain R, G and B could be anybody's; then the first counts.
   std::vector<std::string> names = preset_names();
   std::stable_partition(names.begin(), names.end(),
@@ -24,12 +36,13 @@ std::string recognise_preset(const ExrReader& exr) {
   std::string best, doubt;
   size_t most = 0;
   for (const std::string& name : names) {
-    const ImportMapping mapping = read_mapping(name, {}, {});
+    ImportMapping mapping = read_mapping(name, {}, {});
+    mapping.view = view;
     if (!holds_radiance(exr, mapping)) continue;
     try {
       const std::vector<SourceSample> samples = plan_samples(exr, mapping, Wanted::all);
-      const size_t found = samples[0].features.size() + (samples[0].alpha.mapping != nullptr ? 1 : 0);
-      if (found <= most) continue;
+      const size_t found = evidence(exr, samples[0]);
+      if (!best.empty() && found <= most) continue;
       most = found;
       best = name;
     } catch (const Error& error) {

@@ -11,6 +11,7 @@
 #include "core/shown_text.h"
 #include "frame/schema.h"
 #include "import/channel_pattern.h"
+#include "import/file_views.h"
 
 namespace ld {
 namespace {
@@ -24,9 +25,19 @@ std::string place(const ExrReader& exr, const SourceChannel& channel) {
                       : fmt::format("'{}' of part '{}'", channel.name, part);
 }
 
+/// Whether a channel of the view is of the pattern. Some writers leave the name of the layer to the part.
+std::optional<PatternMatch> match_channel(const ExrReader& exr, const FileViews& views, int part,
+                                          const std::string& channel, const std::string& pattern) {
+  const std::optional<std::string> name = views.name_of(part, channel);
+  if (!name) return std::nullopt;
+  const std::optional<PatternMatch> fits = match_pattern(pattern, *name);
+  if (fits || exr.parts() == 1) return fits;
+  return match_pattern(pattern, views.part_name(part) + "." + *name);
+}
+
 /// All channels that one alternative of a pattern fits.
-Found find_channels(const ExrReader& exr, const std::string& part_pattern, const std::string& pattern,
-                    const std::string& layer) {
+Found find_channels(const ExrReader& exr, const FileViews& views, const std::string& part_pattern,
+                    const std::string& pattern, const std::string& layer) {
   Found found;
   for (int part = 0; part < exr.parts(); ++part) {
     const std::optional<PatternMatch> in_part =
@@ -34,9 +45,7 @@ Found find_channels(const ExrReader& exr, const std::string& part_pattern, const
     if (!in_part) continue;
     const Imf::ChannelList& channels = exr.header(part).channels();
     for (auto it = channels.begin(); it != channels.end(); ++it) {
-      std::optional<PatternMatch> fits = match_pattern(pattern, it.name());
-      // Some writers leave the name of the layer to the part.
-      if (!fits && exr.parts() > 1) fits = match_pattern(pattern, exr.part_name(part) + "." + it.name());
+      const std::optional<PatternMatch> fits = match_channel(exr, views, part, it.name(), pattern);
       if (!fits) continue;
       const SourceChannel channel{part, it.name()};
       const auto [at, is_new] = found.emplace(std::max(in_part->sample, fits->sample), channel);
@@ -52,24 +61,24 @@ Found find_channels(const ExrReader& exr, const std::string& part_pattern, const
 }
 
 /// The first alternative that fits anything.
-Found find_component(const ExrReader& exr, const ImportMapping& mapping, const FeatureMapping& feature,
-                     size_t component) {
+Found find_component(const ExrReader& exr, const FileViews& views, const ImportMapping& mapping,
+                     const FeatureMapping& feature, size_t component) {
   const std::string& part = feature.part.empty() ? mapping.part : feature.part;
   for (const std::string& alternative :
        pattern_alternatives(with_layer(feature.channels[component], mapping.layer))) {
-    Found found = find_channels(exr, part, alternative, mapping.layer);
+    Found found = find_channels(exr, views, part, alternative, mapping.layer);
     if (!found.empty()) return found;
   }
   return {};
 }
 
 /// The components of a feature; empty when the file has none of them.
-std::vector<Found> find_feature_channels(const ExrReader& exr, const ImportMapping& mapping,
-                                         const FeatureMapping& feature) {
+std::vector<Found> find_feature_channels(const ExrReader& exr, const FileViews& views,
+                                         const ImportMapping& mapping, const FeatureMapping& feature) {
   std::vector<Found> components;
   size_t there = 0;
   for (size_t c = 0; c < feature.channels.size(); ++c) {
-    components.push_back(find_component(exr, mapping, feature, c));
+    components.push_back(find_component(exr, views, mapping, feature, c));
     if (!components.back().empty()) ++there;
   }
   if (there == 0) return {};
@@ -101,11 +110,11 @@ SourceFeature of_sample(const ExrReader& exr, const FeatureMapping& feature,
   return result;
 }
 
-std::vector<Found> radiance_of(const ExrReader& exr, const ImportMapping& mapping) {
+std::vector<Found> radiance_of(const ExrReader& exr, const FileViews& views, const ImportMapping& mapping) {
   const FeatureMapping& radiance = mapping.features[0];
-  std::vector<Found> found = find_feature_channels(exr, mapping, radiance);
+  std::vector<Found> found = find_feature_channels(exr, views, mapping, radiance);
   if (found.empty() && !mapping.features[1].channels.empty())
-    found = find_feature_channels(exr, mapping, mapping.features[1]);
+    found = find_feature_channels(exr, views, mapping, mapping.features[1]);
   if (!found.empty()) return found;
   std::string channels;
   for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
@@ -117,15 +126,14 @@ std::vector<Found> radiance_of(const ExrReader& exr, const ImportMapping& mappin
 }  // namespace
 
 bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping) {
-  const FeatureMapping& radiance = mapping.features[0];
+  const FileViews views(exr, mapping.view);
   const auto fits = [&](const std::string& pattern) {
     for (int part = 0; part < exr.parts(); ++part)
       for (auto it = exr.header(part).channels().begin(); it != exr.header(part).channels().end(); ++it)
-        if (match_pattern(pattern, it.name()) ||
-            match_pattern(pattern, exr.part_name(part) + "." + it.name()))
-          return true;
+        if (match_channel(exr, views, part, it.name(), pattern)) return true;
     return false;
   };
+  const FeatureMapping& radiance = mapping.features[0];
   for (const std::string& channel : radiance.channels) {
     const std::vector<std::string> alternatives = pattern_alternatives(with_layer(channel, mapping.layer));
     if (std::none_of(alternatives.begin(), alternatives.end(), fits)) return false;
@@ -134,8 +142,9 @@ bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping) {
 }
 
 std::vector<SourceSample> plan_samples(const ExrReader& exr, const ImportMapping& mapping, Wanted wanted) {
+  const FileViews views(exr, mapping.view);
   std::vector<SourceSample> samples;
-  const std::vector<Found> radiance = radiance_of(exr, mapping);
+  const std::vector<Found> radiance = radiance_of(exr, views, mapping);
   // Found first, so that each complaint comes once.
   std::vector<std::pair<const FeatureMapping*, std::vector<Found>>> found;
   for (size_t i = 0; i < mapping.features.size(); i += 2)
@@ -143,12 +152,12 @@ std::vector<SourceSample> plan_samples(const ExrReader& exr, const ImportMapping
       const FeatureMapping& feature = mapping.features[choice];
       if (wanted == Wanted::per_sample && !feature.per_sample) continue;
       if (wanted == Wanted::picture && feature.feature != "radiance") continue;
-      std::vector<Found> components = find_feature_channels(exr, mapping, feature);
+      std::vector<Found> components = find_feature_channels(exr, views, mapping, feature);
       if (components.empty()) continue;
       found.emplace_back(&feature, std::move(components));
       break;
     }
-  const std::vector<Found> alpha = find_feature_channels(exr, mapping, mapping.alpha);
+  const std::vector<Found> alpha = find_feature_channels(exr, views, mapping, mapping.alpha);
   for (const auto& [number, channel] : radiance[0]) {
     SourceSample sample;
     for (const auto& [feature, components] : found)

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
+#include "import/file_views.h"
 #include "import/frame_import.h"
 #include "import/source_plan.h"
 
@@ -37,6 +38,7 @@ Original original_of_render(const fs::path& file, const ImportMapping& mapping, 
   original.windows = frame.info.windows;
   const std::vector<SourceSample> samples = plan_samples(exr, mapping, Wanted::picture);
   original.part = samples[0].features[0].channels[0].part;
+  original.prefix = FileViews(exr, mapping.view).prefix();
   for (const SourceSample& sample : samples) {
     const int part = sample.features[0].channels[0].part;
     if (part != original.part) original.samples.insert(part);
@@ -53,8 +55,8 @@ ImportMapping without_camera(const fs::path& file, const RenderInput& render,
                              const std::vector<std::string>& features, std::vector<std::string>& notes) {
   ImportMapping mapping = *render.mapping;
   const ExrReader exr(file);
-  std::optional<ViewCamera> camera = render.camera;
-  for (int part = 0; part < exr.parts() && !camera; ++part) camera = camera_of(exr.header(part), exr.path());
+  const std::optional<ViewCamera> camera =
+      render.camera ? render.camera : FileViews(exr, mapping.view).camera();
   for (FeatureMapping& feature : mapping.features) {
     const bool lacks = camera ? needs_fov(feature) && !camera->fov_y : needs_camera(feature);
     if (lacks && std::count(features.begin(), features.end(), feature.feature) == 0) feature.channels.clear();
@@ -97,6 +99,7 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
                             fmt::join(imported.unused, ", "), feature),
           feature);
   notes.insert(notes.end(), imported.notes.begin(), imported.notes.end());
+  if (!imported.view_text.empty()) imported.taken.insert(imported.taken.begin(), imported.view_text);
   InputFrame input{
       std::move(imported.frame), imported.faults, std::move(notes), std::move(imported.taken), {}};
   input.original = original_of_render(files[0], *render.mapping, input.frame);

@@ -115,6 +115,21 @@ void add_channels(Part& part, std::vector<Channel> channels) {
   }
 }
 
+/// A render's radiance need not be called R, G and B, which other channels of its part may be.
+void make_way(std::vector<Channel>& kept, const Part& part, std::vector<std::string>& notes) {
+  std::set<std::string> names;
+  for (const Channel& channel : part.channels) names.insert(channel.name);
+  for (const Channel& channel : kept) names.insert(channel.name);
+  for (Channel& channel : kept) {
+    if (part.header.channels().findChannel(channel.name) == nullptr) continue;
+    const std::string taken = channel.name;
+    while (!names.insert(channel.name).second) channel.name = "input." + channel.name;
+    notes.push_back(
+        fmt::format("'{}' is the denoised picture's, so the input's channel of that name is kept as '{}'",
+                    taken, channel.name));
+  }
+}
+
 void write_parts(const fs::path& temporary, const fs::path& path, const std::vector<Part>& parts) {
   std::vector<Imf::Header> headers;
   for (const Part& part : parts) headers.push_back(part.header);
@@ -154,10 +169,15 @@ std::vector<std::string> write_picture(const fs::path& path, const Image& pictur
   header.setType(Imf::SCANLINEIMAGE);
   header.setName("denoised");
   const Part empty = parts[0];
-  add_channels(parts[0], channels_of(picture, {"R", "G", "B", "A"}, full_float, beyond));
-  if (original.samples.count(original.part) == 0)
-    add_channels(parts[0], kept_channels(exr, original, original.part,
-                                         {picture.width, picture.height, original.windows}, notes));
+  std::vector<std::string> channels;
+  for (const char* name : {"R", "G", "B", "A"}) channels.push_back(original.prefix + name);
+  add_channels(parts[0], channels_of(picture, channels, full_float, beyond));
+  if (original.samples.count(original.part) == 0) {
+    std::vector<Channel> kept =
+        kept_channels(exr, original, original.part, {picture.width, picture.height, original.windows}, notes);
+    make_way(kept, parts[0], notes);
+    add_channels(parts[0], std::move(kept));
+  }
 
   for (const PicturePart& part : further) {
     parts.push_back(empty);

@@ -18,6 +18,7 @@ struct Original {
   int part = 0;     // whose attributes the picture has, and whose channels stand beside it
   std::set<std::pair<int, std::string>> replaced;  // part and channel: those that the picture stands for
   std::set<int> samples;                           // parts that are samples: left out
+  std::string prefix = {};  // of the picture's channels, where other views' lie in one part with them
 };
 
 /// A further part of the file, for looking.
@@ -28,12 +29,13 @@ struct PicturePart {
   int x = 0, y = 0;                   // its upper left pixel, from that of the picture
 };
 
-/// Writes R, G, B (and A where the picture has a fourth channel) at the windows of the samples; beside them,
-/// bit for bit, the original's channels in half, float or integers, those of its other parts in parts of
-/// their own; and its attributes, but for those that speak of samples. Channels of `part` are placed by its
-/// data window, 0 outside. Half floats, in which colours beyond their range become darker but keep their hue,
-/// or full ones; ZIP, no time stamps; atomic. `by` goes into the attribute ldDenoisedBy. Returns what users
-/// should know, a line each: what could not be kept. Throws Error.
+/// Writes R, G, B (and A where the picture has a fourth channel), behind the original's prefix, at the
+/// windows of the samples; beside them, bit for bit, the original's channels in half, float or integers,
+/// those of its other parts in parts of their own; and its attributes, but for those that speak of samples.
+/// Channels of `part` are placed by its data window, 0 outside; of the picture's names they make way. Half
+/// floats, in which colours beyond their range become darker but keep their hue, or full ones; ZIP, no time
+/// stamps; atomic. `by` goes into the attribute ldDenoisedBy. Returns what users should know, a line each:
+/// what could not be kept. Throws Error.
 std::vector<std::string> write_picture(const std::filesystem::path& path, const Image& picture,
                                        const Original& original, const std::vector<PicturePart>& further,
                                        bool full_float, const std::string& by);

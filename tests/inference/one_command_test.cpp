@@ -63,6 +63,19 @@ TEST(OneCommand, LayoutsOfWhichNoFileIsAtHandAreToldApart) {
                        {"Ns.X", "Ns.Y", "Ns.Z"},
                        {"Albedo.R", "Albedo.G", "Albedo.B"}}),
             "pbrt");
+  const std::vector<std::string> albedo = {"albedo.R", "albedo.G", "albedo.B"};
+  EXPECT_EQ(preset_of({picture, {"N.x", "N.y", "N.z"}, {"P.x", "P.y", "P.z"}, albedo}), "karma");
+  EXPECT_EQ(preset_of({picture, {"hitN.x", "hitN.y", "hitN.z"}, {"hitPz"}, albedo}), "karma");
+  EXPECT_EQ(preset_of({picture,
+                       {"__Nworld.r", "__Nworld.g", "__Nworld.b"},
+                       {"__Pworld.r", "__Pworld.g", "__Pworld.b"},
+                       {"albedo.r", "albedo.g", "albedo.b"}}),
+            "renderman");
+  EXPECT_EQ(preset_of({picture,
+                       {"Z", "VRayNormals.X", "VRayNormals.Y", "VRayNormals.Z"},
+                       {"VRayDiffuseFilter.R", "VRayDiffuseFilter.G", "VRayDiffuseFilter.B"}}),
+            "vray");
+  EXPECT_EQ(preset_of({picture, {"Z"}}), "mitsuba") << "Z could be anybody's, and so could R, G, B and A";
 }
 
 TEST(OneCommand, FramesAreToldFromRendersAndWhatIsNeitherIsAnError) {

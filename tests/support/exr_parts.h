@@ -7,6 +7,7 @@
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
 
 #include <filesystem>
 #include <functional>
@@ -21,20 +22,23 @@ struct TestPart {
   Imath::Box2i window;
   /// A name, and the value of the pixel (x, y) of the display window.
   std::vector<std::pair<std::string, std::function<float(int, int)>>> channels;
+  std::string view = {};  // the attribute of that name
 };
 
 inline std::function<float(int, int)> everywhere(float value) {
   return [value](int, int) { return value; };
 }
 
-/// Full floats.
+/// Full floats. `views`: the attribute multiView.
 inline void write_exr_parts(const std::filesystem::path& path, const Imath::Box2i& display,
-                            const std::vector<TestPart>& parts) {
+                            const std::vector<TestPart>& parts, const std::vector<std::string>& views = {}) {
   std::vector<Imf::Header> headers;
   for (const TestPart& part : parts) {
     Imf::Header header(display, part.window);
     header.setName(part.name);
     header.setType(Imf::SCANLINEIMAGE);
+    if (!part.view.empty()) header.setView(part.view);
+    if (!views.empty()) Imf::addMultiView(header, views);
     for (const auto& channel : part.channels)
       header.channels().insert(channel.first, Imf::Channel(Imf::FLOAT));
     headers.push_back(header);
