@@ -15,17 +15,13 @@
 #include "frame/exr_check.h"
 #include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
+#include "frame/half_float.h"
 #include "frame/half_range.h"
 
 namespace ld {
 namespace {
 
 constexpr int kTileSide = 64;
-
-half to_half(float value) {
-  // NaN and infinities stay, so that the sample is masked on reading.
-  return half(std::isfinite(value) ? std::clamp(value, -kHalfMax, kHalfMax) : value);
-}
 
 void check_frame(const std::filesystem::path& path, const Frame& frame) {
   if (frame.width < 1 || frame.height < 1 || frame.spp < 1 || frame.width > kMaxImageSide ||

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/progress.h"
+#include "core/signals.h"
 #include "frame/exr_check.h"
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
+#include "frame/half_range.h"
 #include "import/frame_import.h"
 #include "import/hdf5_file.h"
 #include "import/hdf5_layout.h"
@@ -40,6 +44,21 @@ void for_each_plane(Frame& frame, const Hdf5Group& group, const Visit& visit) {
 struct OpenGroup {
   const Hdf5Group* layout;
   Hdf5Data data;
+
+  /// `values` is memory to work in.
+  void read(hsize_t i, Frame& frame, std::vector<float>& values) const {
+    data.read_frame(i, values);
+    for_each_plane(frame, *layout, [&](float* plane, size_t offset) {
+      std::copy_n(values.data() + offset, frame.plane_size(), plane);
+    });
+  }
+  void write(hsize_t i, Frame& frame, std::vector<float>& values) const {
+    values.resize(data.frame_values());
+    for_each_plane(frame, *layout, [&](const float* plane, size_t offset) {
+      std::copy_n(plane, frame.plane_size(), values.data() + offset);
+    });
+    data.write_frame(i, values);
+  }
 };
 
 void require_shape(const Hdf5Data& data, const std::vector<hsize_t>& expected) {
@@ -72,12 +91,81 @@ std::vector<OpenGroup> open_groups(const Hdf5File& file, Hdf5Report& report) {
   return groups;
 }
 
+/// A group of the file that has one channel for each sample, as `color` has them.
+OpenGroup open_scene_depth(const Hdf5File& file, std::vector<hsize_t> shape) {
+  OpenGroup depth = {&hdf5_scene_depth(), file.data(hdf5_scene_depth().name, 5)};
+  shape[2] = 1;
+  require_shape(depth.data, shape);
+  return depth;
+}
+
 void check_like(const FrameHeader& header, const FrameHeader& first, const std::string& name) {
   if (header.width != first.width || header.height != first.height || header.spp != first.spp)
     fail(
         "{}: {} x {} pixels with {} samples, but the first frame has {} x {} with {}; one HDF5 file holds "
         "one size",
         name, header.width, header.height, header.spp, first.width, first.height, first.spp);
+}
+
+/// Thrown where a signal asks for a stop, so that neither file is made.
+struct Stopped {};
+
+/// What is to be written: the frames, which are like the first, and the groups that all of them can fill.
+struct Source {
+  const fs::path& folder;
+  const std::vector<ManifestFrame>& entries;
+  const FrameHeader& first;
+  const std::vector<const Hdf5Group*>& layouts;
+  const std::vector<std::string>& needed;
+};
+
+/// To what half floats and readers of the files know: samples that were not drawn have no colour.
+void prepare_radiance(Frame& frame, Image& reference, Hdf5Report& report) {
+  const size_t pixels = frame.plane_size();
+  for (int s = 0; s < frame.spp; ++s) {
+    report.clamped += fit_colours_in_half(frame.plane(s, 0), frame.plane(s, 1), frame.plane(s, 2), pixels);
+    for (int c = 0; c < 3; ++c)
+      for (size_t p = 0; p < pixels; ++p)
+        if (frame.valid_plane(s)[p] == 0) frame.plane(s, c)[p] = std::numeric_limits<float>::quiet_NaN();
+  }
+  fit_colours_in_half(reference.plane(0), reference.plane(1), reference.plane(2), pixels);
+}
+
+void write_files(const Source& source, const fs::path& samples, const fs::path& references,
+                 Hdf5Report& report) {
+  const Hdf5File file = Hdf5File::create(samples), reference_file = Hdf5File::create(references);
+  const hsize_t frames = source.entries.size(), spp = static_cast<hsize_t>(source.first.spp);
+  const hsize_t height = static_cast<hsize_t>(source.first.height),
+                width = static_cast<hsize_t>(source.first.width);
+  const auto make_group = [&](const Hdf5Group& layout) -> OpenGroup {
+    return {&layout,
+            file.make(layout.name, {frames, spp, static_cast<hsize_t>(layout.channels), height, width})};
+  };
+  std::vector<OpenGroup> groups;
+  std::optional<OpenGroup> scene_depth;
+  for (const Hdf5Group* layout : source.layouts) {
+    groups.push_back(make_group(*layout));
+    if (features_of(*layout).back() == "depth") scene_depth = make_group(hdf5_scene_depth());
+  }
+  const Hdf5Data scales = file.make("depth_scale", {frames}, true);
+  const Hdf5Data reference = reference_file.make("color", {frames, 3, height, width});
+  std::vector<float> values;
+  Progress progress("frames", static_cast<int64_t>(frames));
+  for (hsize_t i = 0; i < frames; ++i) {
+    if (stop_requested()) throw Stopped();
+    FramePair pair = read_frame_pair(source.folder, source.entries[i], source.needed);
+    report.faulty_samples += pair.faults.not_finite;
+    scales.write_frame(i, {pair.frame.info.depth_scale});
+    prepare_radiance(pair.frame, pair.reference.image, report);
+    if (scene_depth) scene_depth->write(i, pair.frame, values);
+    frame_to_hdf5_units(pair.frame);
+    for (const OpenGroup& group : groups) group.write(i, pair.frame, values);
+    reference.write_frame(i, pair.reference.image.pixels);
+    ++report.frames;
+    progress.advance();
+  }
+  file.flush();
+  reference_file.flush();
 }
 
 }  // namespace
@@ -103,19 +191,23 @@ Hdf5Report data_set_from_hdf5(const fs::path& samples, const fs::path& reference
   }
   if (own) depth = Hdf5Depth::ratio;
 
+  std::optional<OpenGroup> scene_depth;
+  if (own && file.has(hdf5_scene_depth().name)) scene_depth = open_scene_depth(file, size);
+
+  Progress progress("frames", static_cast<int64_t>(size[0]));
   for (hsize_t i = 0; i < size[0]; ++i) {
+    report.stopped = stop_requested();
+    if (report.stopped) break;
     Frame frame(static_cast<int>(size[4]), static_cast<int>(size[3]), static_cast<int>(size[1]));
     frame.features.clear();
     for (const OpenGroup& group : groups) {
       for (const std::string& feature : features_of(*group.layout)) frame.features.push_back(feature);
-      group.data.read_frame(i, values);
-      for_each_plane(frame, *group.layout, [&](float* plane, size_t offset) {
-        std::copy_n(values.data() + offset, frame.plane_size(), plane);
-      });
+      group.read(i, frame, values);
     }
     const Faults faults = sanitise(frame);
     report.faulty_samples += faults.not_finite;
     frame_from_hdf5_units(frame, depth, scales[i]);
+    if (scene_depth) scene_depth->read(i, frame, values);
     frame.info.generator = "HDF5 file " + samples.filename().string();
     frame.info.frame = static_cast<int64_t>(i);
     frame.info.depth_scale = depth == Hdf5Depth::ratio ? scales[i] : median_depth(frame);
@@ -123,6 +215,7 @@ Hdf5Report data_set_from_hdf5(const fs::path& samples, const fs::path& reference
     reference.read_frame(i, picture.image.pixels);
     add_to_data_set({folder, fmt::format("{}_{:06}", name, i), split}, frame, picture);
     ++report.frames;
+    progress.advance();
   }
   return report;
 }
@@ -139,55 +232,28 @@ Hdf5Report data_set_to_hdf5(const fs::path& folder, const std::string& split, co
     check_like(header, first, path.string());
     for (const std::string& feature : header.features) ++held[feature];
   }
-  const hsize_t frames = entries.size(), spp = static_cast<hsize_t>(first.spp);
-  const hsize_t height = static_cast<hsize_t>(first.height), width = static_cast<hsize_t>(first.width);
-
-  const auto write = [&](const fs::path& samples_path, const fs::path& references_path) {
-    const Hdf5File file = Hdf5File::create(samples_path), reference_file = Hdf5File::create(references_path);
-    std::vector<OpenGroup> groups;
-    std::vector<std::string> needed;
-    for (const Hdf5Group& layout : hdf5_layout()) {
-      const std::vector<std::string> features = features_of(layout);
-      if (!std::all_of(features.begin(), features.end(),
-                       [&](const auto& f) { return held[f] == entries.size(); })) {
-        report.left_out.emplace_back(layout.name);
-        continue;
-      }
-      needed.insert(needed.end(), features.begin(), features.end());
-      groups.push_back({&layout, file.make(layout.name, {frames, spp, static_cast<hsize_t>(layout.channels),
-                                                         height, width})});
+  std::vector<const Hdf5Group*> layouts;
+  std::vector<std::string> needed;
+  for (const Hdf5Group& layout : hdf5_layout()) {
+    const std::vector<std::string> features = features_of(layout);
+    if (!std::all_of(features.begin(), features.end(),
+                     [&](const auto& f) { return held[f] == entries.size(); })) {
+      report.left_out.emplace_back(layout.name);
+      continue;
     }
-    const Hdf5Data scales = file.make("depth_scale", {frames}, true);
-    const Hdf5Data reference = reference_file.make("color", {frames, 3, height, width});
-    std::vector<float> values;
-    for (hsize_t i = 0; i < frames; ++i) {
-      FramePair pair = read_frame_pair(folder, entries[i], needed);
-      Frame& frame = pair.frame;
-      report.faulty_samples += pair.faults.not_finite;
-      scales.write_frame(i, {frame.info.depth_scale});
-      frame_to_hdf5_units(frame);
-      for (int s = 0; s < frame.spp; ++s)  // samples that were not drawn
-        for (int c = 0; c < 3; ++c)
-          for (size_t p = 0; p < frame.plane_size(); ++p)
-            if (frame.valid_plane(s)[p] == 0) frame.plane(s, c)[p] = std::numeric_limits<float>::quiet_NaN();
-      for (const OpenGroup& group : groups) {
-        values.resize(group.data.frame_values());
-        for_each_plane(frame, *group.layout, [&](const float* plane, size_t offset) {
-          std::copy_n(plane, frame.plane_size(), values.data() + offset);
-        });
-        group.data.write_frame(i, values);
-      }
-      reference.write_frame(i, pair.reference.image.pixels);
-      ++report.frames;
-    }
-    file.flush();
-    reference_file.flush();
-  };
-  write_atomically(samples, [&](const fs::path& samples_path) {
-    write_atomically(references,
-                     [&](const fs::path& references_path) { write(samples_path, references_path); });
-  });
+    needed.insert(needed.end(), features.begin(), features.end());
+    layouts.push_back(&layout);
+  }
   if (held["flow"] > 0) report.left_out.emplace_back("flow");
+  try {
+    write_atomically(samples, [&](const fs::path& samples_path) {
+      write_atomically(references, [&](const fs::path& references_path) {
+        write_files({folder, entries, first, layouts, needed}, samples_path, references_path, report);
+      });
+    });
+  } catch (const Stopped&) {
+    report.stopped = true;
+  }
   return report;
 }
 

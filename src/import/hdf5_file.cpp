@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "frame/exr_check.h"
+#include "frame/half_float.h"
 
 namespace ld {
 namespace {
@@ -26,6 +27,13 @@ Hdf5Handle half_type() {
   H5Tset_size(type.get(), 2);
   H5Tset_ebias(type.get(), 15);
   return type;
+}
+
+/// In either byte order.
+bool is_half(const Hdf5Handle& type) {
+  const Hdf5Handle little = half_type(), big = half_type();
+  H5Tset_order(big.get(), H5T_ORDER_BE);
+  return H5Tequal(type.get(), little.get()) > 0 || H5Tequal(type.get(), big.get()) > 0;
 }
 
 std::string shape_text(const std::vector<hsize_t>& dimensions) {
@@ -86,17 +94,26 @@ size_t Hdf5Data::frame_values() const {
 void Hdf5Data::read_frame(hsize_t frame, std::vector<float>& values) const {
   values.resize(frame_values());
   const hsize_t count = values.size();
-  const Hdf5Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose), space = select_frame(*this, frame);
-  if (H5Dread(handle.get(), H5T_NATIVE_FLOAT, memory.get(), space.get(), H5P_DEFAULT, values.data()) < 0)
+  const Hdf5Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose), space = select_frame(*this, frame),
+                                                                           half_memory = half_type();
+  std::vector<half> halves(half_floats ? values.size() : 0);
+  if (H5Dread(handle.get(), half_floats ? half_memory.get() : H5T_NATIVE_FLOAT, memory.get(), space.get(),
+              H5P_DEFAULT, half_floats ? static_cast<void*>(halves.data()) : values.data()) < 0)
     fail("{}: HDF5 cannot read frame {}; the file is damaged or packed with a filter that is not installed",
          where, frame);
+  std::copy(halves.begin(), halves.end(), values.begin());
 }
 
 void Hdf5Data::write_frame(hsize_t frame, const std::vector<float>& values) const {
   const hsize_t count = values.size();
   if (count != frame_values()) fail("{}: {} numbers for a frame; expected {}", where, count, frame_values());
-  const Hdf5Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose), space = select_frame(*this, frame);
-  if (H5Dwrite(handle.get(), H5T_NATIVE_FLOAT, memory.get(), space.get(), H5P_DEFAULT, values.data()) < 0)
+  const Hdf5Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose), space = select_frame(*this, frame),
+                                                                           half_memory = half_type();
+  // HDF5's own conversion loses the carry of values just below a power of two: 0.9998 would become 0.5.
+  std::vector<half> halves(half_floats ? values.size() : 0);
+  if (half_floats) std::transform(values.begin(), values.end(), halves.begin(), to_half);
+  if (H5Dwrite(handle.get(), half_floats ? half_memory.get() : H5T_NATIVE_FLOAT, memory.get(), space.get(),
+               H5P_DEFAULT, half_floats ? static_cast<const void*>(halves.data()) : values.data()) < 0)
     fail("cannot write {}: {}", where, std::strerror(errno));
 }
 
@@ -137,6 +154,7 @@ Hdf5Data Hdf5File::data(const std::string& name, size_t rank) const {
   const Hdf5Handle type(H5Dget_type(data.handle.get()), H5Tclose);
   if (H5Tget_class(type.get()) != H5T_FLOAT)
     fail("{}: holds no floats; expected float16 or float32", data.where);
+  data.half_floats = is_half(type);
   const Hdf5Handle space(H5Dget_space(data.handle.get()), H5Sclose);
   const int found = H5Sget_simple_extent_ndims(space.get());
   if (found != static_cast<int>(rank)) fail("{}: {} dimensions; expected {}", data.where, found, rank);
@@ -150,6 +168,7 @@ Hdf5Data Hdf5File::make(const std::string& name, const std::vector<hsize_t>& dim
   Hdf5Data data;
   data.where = fmt::format("{}: data set '{}'", path_, name);
   data.dimensions = dimensions;
+  data.half_floats = !full;
   const Hdf5Handle space(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr),
                          H5Sclose);
   const Hdf5Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);

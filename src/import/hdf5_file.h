@@ -37,7 +37,8 @@ class Hdf5Handle {
 /// A data set of floats, read and written one frame (the first dimension) at a time.
 struct Hdf5Data {
   Hdf5Handle handle;
-  std::string where;  // "file.h5: data set 'color'"
+  std::string where;         // "file.h5: data set 'color'"
+  bool half_floats = false;  // of IEEE binary16, which frame/half_float.h converts
   std::vector<hsize_t> dimensions;
   size_t frame_values() const;  // values that a frame has
 

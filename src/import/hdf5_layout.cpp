@@ -6,7 +6,7 @@
 namespace ld {
 namespace {
 
-constexpr float kFarthestRatio = 1.0F - 1.0F / 4096;  // half floats know nothing between it and 1
+constexpr float kFarthestRatio = 1.0F - 1.0F / 2048;  // half floats know nothing between it and 1
 
 template <class Change>
 void for_each_valid(Frame& frame, int channel, const Change& change) {
@@ -45,12 +45,17 @@ const std::vector<Hdf5Group>& hdf5_layout() {
   return layout;
 }
 
+const Hdf5Group& hdf5_scene_depth() {
+  static const Hdf5Group depth = {"depth", 1, {"depth", nullptr}};
+  return depth;
+}
+
 void frame_from_hdf5_units(Frame& frame, Hdf5Depth depth, float depth_scale) {
   scale_motion(frame, 0.5F * static_cast<float>(frame.width), -0.5F * static_cast<float>(frame.height));
   if (!frame.holds("depth")) return;
   if (depth == Hdf5Depth::ratio) {
     for_each_valid(frame, kDepthOffset, [&](float z) {
-      return z > kFarthestRatio ? kEscapedDepth : depth_scale * std::max(z, 0.0F) / (1 - z);
+      return z >= 1 ? kEscapedDepth : depth_scale * std::max(z, 0.0F) / (1 - z);
     });
     return;
   }

@@ -24,6 +24,10 @@ struct Hdf5Group {
 /// signed radius of the circle of confusion), uvt 3 (lens position, time).
 const std::vector<Hdf5Group>& hdf5_layout();
 
+/// What this project writes besides: depths as frames hold them. Half floats between 0.5 and 1 are 1/2048
+/// apart, so that d / (d + s) has an error of a tenth at d = 400 s.
+const Hdf5Group& hdf5_scene_depth();
+
 /// How the channel of depths is meant. `ratio`: d / (d + s), s the frame's depth scale, 1 where the ray
 /// escaped (what this project writes, with s in the data set `depth_scale`); `linear`: as it stands, where
 /// normals are zero the ray escaped.
@@ -38,6 +42,9 @@ struct Hdf5Report {
   int64_t frames = 0;
   std::vector<std::string> left_out;  // data sets that are missing, or features that the layout cannot hold
   int64_t faulty_samples = 0;
+  int64_t clamped = 0;  // radiance channels beyond half's range, darkened with their colours (write_frame)
+  bool stopped =
+      false;  // by a signal (core/signals.h): the frames before are whole, a pair of files is not made
 };
 
 /// Adds all frames of a pair of files to a data set, as NAME_000000, ... Throws Error: files that are no
@@ -47,8 +54,8 @@ Hdf5Report data_set_from_hdf5(const std::filesystem::path& samples, const std::f
                               const std::filesystem::path& folder, const std::string& name,
                               const std::string& split, Hdf5Depth depth);
 
-/// Writes the frames of a split; data sets whose features some frame lacks are left out. Throws Error: frames
-/// of different sizes or numbers of samples.
+/// Writes the frames of a split, or nothing when a signal stops it; data sets whose features some frame lacks
+/// are left out. Throws Error: frames of different sizes or numbers of samples.
 Hdf5Report data_set_to_hdf5(const std::filesystem::path& folder, const std::string& split,
                             const std::filesystem::path& samples, const std::filesystem::path& references);
 
