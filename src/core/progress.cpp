@@ -9,6 +9,11 @@
 #include <utility>
 
 namespace ld {
+namespace {
+
+constexpr double kPatience = 2;  // seconds of work before anything is shown
+
+}  // namespace
 
 std::string duration_text(double seconds) {
   const auto s = static_cast<int64_t>(std::llround(std::max(0.0, seconds)));
@@ -27,7 +32,7 @@ Progress::Progress(std::string label, int64_t total, int64_t done)
       printed_(start_) {}
 
 Progress::~Progress() {
-  if (terminal_ && done_ > done_before_) std::fputc('\n', stderr);
+  if (terminal_ && shown_) std::fputc('\n', stderr);
 }
 
 void Progress::advance(int64_t steps, const std::string& note) {
@@ -35,9 +40,11 @@ void Progress::advance(int64_t steps, const std::string& note) {
   done_ += steps;
   const auto now = std::chrono::steady_clock::now();
   const double since = std::chrono::duration<double>(now - printed_).count();
+  if (std::chrono::duration<double>(now - start_).count() < kPatience) return;
   const bool last = done_ >= total_;
   if (!last && since < (terminal_ ? 0.1 : 10.0)) return;
   printed_ = now;
+  shown_ = true;
   print(note, last);
 }
 

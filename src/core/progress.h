@@ -1,5 +1,5 @@
 // Progress with the time left: a bar that redraws itself on a terminal, a plain line every few seconds
-// otherwise.
+// otherwise. Work that is done in a moment shows none.
 #pragma once
 
 #include <chrono>
@@ -28,7 +28,7 @@ class Progress {
 
   std::string label_;
   int64_t total_, done_, done_before_;
-  bool terminal_;
+  bool terminal_, shown_ = false;
   std::chrono::steady_clock::time_point start_, printed_;
   std::mutex mutex_;
 };
