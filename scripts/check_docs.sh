@@ -6,7 +6,8 @@
 #   scripts/check_docs.sh --all       also what takes longer
 #   scripts/check_docs.sh --static    looks, and runs nothing
 #   scripts/check_docs.sh PAGE...     only these pages; --verbose lists what was run
-# Needs the programs in build/bin and Python 3.11.
+#   scripts/check_docs.sh --brief     runs some pages only: what ctest does
+# Needs the programs in build/bin (or in bin/ of the folder that LD_BUILD names) and Python 3.11.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 exec python3 -B scripts/docs/check_docs.py "$@"

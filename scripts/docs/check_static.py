@@ -174,7 +174,7 @@ def check_code(found, code, external):
             found.count("options")
             if option not in all_options() | external:
                 found.fault(code, f"no program or script has the option {option}")
-    elif re.fullmatch(rf"(?:{SECTIONS})\.[a-z][\w.*]*[=:]?.*", text) and not re.match(r"\w+\.(json|yaml|h|md|exr|log|csv)", text):
+    elif re.fullmatch(rf"(?:{SECTIONS})\.[a-z][\w.*]*[=:]?.*", text) and not re.match(r"\w+\.(json|yaml|h|md|exr|log|csv|safetensors)", text):
         found.count("keys")
         name = re.match(r"[\w.]+", text)[0].rstrip(".")
         if not any(known.is_key(kind, name) for kind in ("train", "recipe")):
@@ -185,8 +185,7 @@ def check_code(found, code, external):
             found.fault(code, f"there is no {text}")
     elif re.fullmatch(r"[\w/]+\.(?:py|sh|h|cpp|md)", text) and text not in external:
         found.count("paths")
-        tail = text.rsplit("/", 1)[-1]
-        if not any(str(path).endswith("/" + text) for folder in FOLDERS.split("|") for path in (ROOT / folder).rglob(tail)):
+        if not any(path.endswith("/" + text) for path in known.files()):
             found.fault(code, f"no file of the project is called {text}")
 
 

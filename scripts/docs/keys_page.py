@@ -6,6 +6,7 @@
 """
 import argparse
 import json
+import os
 import re
 import subprocess
 import sys
@@ -112,7 +113,8 @@ def page(program):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
-    parser.add_argument("--program", default=str(header_comments.ROOT / "build/bin/ld_inspect"), help="ld_inspect")
+    parser.add_argument("--program", default=os.environ.get("LD_BUILD", str(header_comments.ROOT / "build")) + "/bin/ld_inspect",
+                        help="ld_inspect (default: that of build/, or of the folder that LD_BUILD names)")
     options = parser.parse_args()
     text = page(options.program)
     if not options.check:

@@ -1,5 +1,7 @@
 """What there is: the programs and scripts of the project with their options, and the keys of its YAML files."""
+import concurrent.futures
 import functools
+import os
 import re
 import subprocess
 from pathlib import Path
@@ -7,13 +9,31 @@ from pathlib import Path
 import keys_page
 from header_comments import ROOT
 
-BIN = ROOT / "build" / "bin"
+BUILD = Path(os.environ.get("LD_BUILD", ROOT / "build"))
+BIN = BUILD / "bin"
 PYTHONS = ("python", "python3", "out/peers/venv/bin/python")
 
 
-@functools.lru_cache(None)
-def help_text(*command):
+def print_help(*command):
     return subprocess.run([str(BIN / command[0]), *command[1:], "--help"], capture_output=True, text=True, check=True).stdout
+
+
+@functools.lru_cache(None)
+def help_texts():
+    """Of all programs and of ld_bench's subcommands, asked for at once: each takes a while to load LibTorch."""
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        names = [(name,) for name in program_names()]
+        texts = dict(zip(names, pool.map(lambda name: print_help(*name), names)))
+        benches = [("ld_bench", name) for name in subcommands_in(texts["ld_bench",])]
+        return texts | dict(zip(benches, pool.map(lambda name: print_help(*name), benches)))
+
+
+def help_text(*command):
+    return help_texts()[command]
+
+
+def subcommands_in(text):
+    return re.findall(r"^  (\w+) ", text.partition("Subcommands:\n")[2].partition("\n\n")[0], re.M)
 
 
 def help_options(text):
@@ -28,8 +48,7 @@ def program_options(name, subcommand=""):
 
 @functools.lru_cache(None)
 def subcommands(name):
-    _, _, after = help_text(name).partition("Subcommands:\n")
-    return re.findall(r"^  (\w+) ", after.partition("\n\n")[0], re.M)
+    return subcommands_in(help_text(name))
 
 
 @functools.lru_cache(None)
@@ -45,12 +64,19 @@ def keys(kind):
 
 def is_key(kind, name):
     """Also sections, and what begins a key with [] in it."""
-    return any(key == name or key.startswith(name + ".") or key.replace("[]", "").startswith(name + ".") for key in keys(kind))
+    return any((key.replace("[]", "") + ".").startswith(name + ".") for key in keys(kind))
 
 
 @functools.lru_cache(None)
 def test_programs():
     return {match for file in (ROOT / "tests").rglob("CMakeLists.txt") for match in re.findall(r"ld_test\((\w+)", file.read_text())}
+
+
+@functools.lru_cache(None)
+def files():
+    """The sources and scripts of the project."""
+    return [f"/{path.relative_to(ROOT)}" for folder in ("src", "models", "scripts", "tests", "examples", "integrations", "docs")
+            for path in (ROOT / folder).rglob("*.*")]
 
 
 def program_names():

@@ -8,11 +8,12 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import known
 import pages
 import snippets
 from header_comments import ROOT
 
-LINKED = ["build", "configs", "models", "scripts", "examples", "integrations", "tests", "data/recipes", "data/import"]
+LINKED = ["configs", "models", "scripts", "examples", "integrations", "tests", "data/recipes", "data/import"]
 TIMEOUT = 120
 
 
@@ -33,7 +34,7 @@ class Runner:
     results: list = field(default_factory=list)
 
     def run(self, text, folder):
-        environment = dict(os.environ, PATH=f"{ROOT}/build/bin:{os.environ['PATH']}", OMP_NUM_THREADS="1",
+        environment = dict(os.environ, PATH=f"{known.BIN}:{os.environ['PATH']}", OMP_NUM_THREADS="1",
                            OMP_WAIT_POLICY="passive", TMPDIR=str(self.folder))
         try:
             return subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment, timeout=TIMEOUT,
@@ -55,6 +56,7 @@ class Runner:
         for name in LINKED:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).symlink_to(ROOT / name)
+        (folder / "build").symlink_to(known.BUILD)
         (folder / "out").mkdir()
         if (ROOT / "out/peers").exists():
             (folder / "out/peers").symlink_to(ROOT / "out/peers")
