@@ -90,8 +90,7 @@ def main():
         sys.exit("blender_samples.py: the scene needs an active perspective camera")
     scene.render.resolution_x, scene.render.resolution_y = options.width, options.height
     cycles_samples.sample_settings(scene, bpy.context.view_layer)
-    # Nothing beyond the far clipping plane is seen; its corners are farther away than its middle.
-    cycles_samples.measure_by_mist(scene, 0.0, 2 * scene.camera.data.clip_end)
+    cycles_samples.measure_by_mist(scene)
     rng = random.Random(options.seed)
     frames = frames_of(scene, options.frames)
     scene.frame_set(frames[0])

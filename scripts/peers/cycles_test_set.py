@@ -62,7 +62,7 @@ def settings(scene, options):
     scene.cycles.sample_clamp_indirect, scene.cycles.blur_glossy, scene.cycles.light_sampling_threshold = 10, 1.0, 0.01
     scene.render.resolution_x = scene.render.resolution_y = options.size
     scene.render.threads_mode, scene.render.threads = ("FIXED" if options.threads else "AUTO"), max(options.threads, 1)
-    cycles_samples.measure_by_mist(scene, 0.0, 2 * scene.camera.data.clip_end)
+    cycles_samples.measure_by_mist(scene)
 
 
 def render_frame(options):

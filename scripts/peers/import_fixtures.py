@@ -103,6 +103,16 @@ def build_in_blender():
     return scene
 
 
+def write_stereo(scene, path):
+    """Two views in one file: channels with the view's name from Blender 4, parts with it from Blender 5."""
+    stereo = scene.camera.data.stereo
+    stereo.interocular_distance, stereo.convergence_mode, stereo.pivot = 0.4, "PARALLEL", "LEFT"
+    render, image = scene.render, scene.render.image_settings
+    render.use_multiview, render.views_format, image.views_format = True, "STEREO_3D", "MULTIVIEW"
+    cycles_samples.render(scene, path, 1, 0)
+    render.use_multiview = False
+
+
 def write_cycles(folder):
     scene = build_in_blender()
     cycles_samples.sample_settings(scene, bpy.context.view_layer, bounces=4)
@@ -110,6 +120,7 @@ def write_cycles(folder):
         cycles_samples.render(scene, folder / f"sample_{s:02}.exr", 1, s)
     cycles_samples.render(scene, folder / "reference.exr", REFERENCE_SPP, SPP)
     cycles_samples.render(scene, folder / "half.exr", 1, 0, depth=16)
+    write_stereo(scene, folder / "stereo.exr")
     scene.render.film_transparent = True
     cycles_samples.render(scene, folder / "transparent_sky.exr", 1, 0)
     scene.render.film_transparent = False
@@ -191,6 +202,8 @@ in pixels, y up: from the point to where it was in the frame before (X, Y), and 
 """
 CYCLES_MORE = """\
 - `half.exr`: `sample_00.exr` written as half floats: depth, normals and vectors stay floats.
+- `stereo.exr`: the view `left` from the camera's own place and the view `right` from 0.4 to the right of it, one sample a pixel each with
+  seed 0. `cycles5/stereo.exr`: the same by Blender 5.0.1.
 - `transparent_sky.exr`: the same with a transparent film: alpha 0 in the sky.
 - `moving.exr`: the metal sphere moves by {step} in view space from each frame to the next, which is ({flow_x:.4f}, {flow_y:.4f}) pixels with y
   up where the depth is that of the table's pixel. `no_vector.exr`: the same with motion blur, for which Cycles leaves the pass Vector out.

@@ -93,7 +93,7 @@ def run(scene, view_layer, settings):
                     yield done / steps, f"frame {frame}, sample {s + 1} of {settings.samples}", None, None
                     samples.append(folder / f"sample_{s:03}.exr")
                     samples[-1].unlink(missing_ok=True)
-                    sampling.render_sample(scene, samples[-1], settings.seed + frame * settings.samples + s)
+                    sampling.render(scene, samples[-1], settings.seed + frame * settings.samples + s)
                     done += 1
                 output = output_of(settings.output, frame, len(settings.frames) > 1)
                 output.parent.mkdir(parents=True, exist_ok=True)
