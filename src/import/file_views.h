@@ -22,6 +22,7 @@ class FileViews {
 
   const std::vector<std::string>& all() const { return all_; }  // the hero first; empty: the file has none
   const std::string& chosen() const { return chosen_; }         // empty: the file has none
+  bool is_hero() const { return all_.empty() || chosen_ == all_.front(); }
 
   /// The channel's name without its view; nothing where it belongs to another view. Channels that belong to
   /// no view are the hero's.
@@ -38,7 +39,6 @@ class FileViews {
   std::optional<ViewCamera> camera() const;
 
  private:
-  bool is_hero() const { return all_.empty() || chosen_ == all_.front(); }
   std::string view_of(int part) const;
 
   const ExrReader& exr_;

@@ -64,7 +64,7 @@ struct ImportMapping {
   std::string about;        // a text for people
   std::string layer = "*";  // what {layer} in patterns stands for
   std::string part = "*";   // pattern of the names of parts that are looked at
-  std::string view;         // of a file with several; empty: the hero
+  std::string view;         // which of a file's views, such as left and right; empty: the hero
   FeatureMapping alpha;     // as a feature, with one channel
   /// All features of the schema, each with its second choice behind it: taken where a file lacks the first.
   std::vector<FeatureMapping> features;

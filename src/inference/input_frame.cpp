@@ -38,7 +38,9 @@ Original original_of_render(const fs::path& file, const ImportMapping& mapping, 
   original.windows = frame.info.windows;
   const std::vector<SourceSample> samples = plan_samples(exr, mapping, Wanted::picture);
   original.part = samples[0].features[0].channels[0].part;
-  original.prefix = FileViews(exr, mapping.view).prefix();
+  const FileViews views(exr, mapping.view);
+  original.prefix = views.prefix();
+  original.leads = views.is_hero();
   for (const SourceSample& sample : samples) {
     const int part = sample.features[0].channels[0].part;
     if (part != original.part) original.samples.insert(part);

@@ -190,20 +190,23 @@ std::vector<std::string> write_picture(const fs::path& path, const Image& pictur
 
   std::set<std::string> names;
   for (const Part& part : parts) names.insert(part.header.name());
+  std::ptrdiff_t before = 0;
   for (int part = 0; part < exr.parts(); ++part) {
     if (part == original.part || original.samples.count(part) > 0) continue;
     std::vector<Channel> kept = kept_channels(exr, original, part, extent_of(exr, part), notes);
     if (kept.empty()) continue;
-    parts.emplace_back();
-    Imf::Header& own = parts.back().header;
-    own = Imf::Header(exr.header(part).displayWindow(), exr.header(part).dataWindow());
-    copy_attributes(exr.header(part), own);
-    own.compression() = Imf::ZIP_COMPRESSION;
-    own.setType(Imf::SCANLINEIMAGE);
+    Part own{Imf::Header(exr.header(part).displayWindow(), exr.header(part).dataWindow()), {}};
+    copy_attributes(exr.header(part), own.header);
+    own.header.compression() = Imf::ZIP_COMPRESSION;
+    own.header.setType(Imf::SCANLINEIMAGE);
     std::string name = exr.part_name(part);
     while (!names.insert(name).second) name += "_";  // a file that was denoised before has a part "denoised"
-    own.setName(name);
-    add_channels(parts.back(), std::move(kept));
+    own.header.setName(name);
+    add_channels(own, std::move(kept));
+    if (!original.leads && part < original.part)
+      parts.insert(parts.begin() + before++, std::move(own));
+    else
+      parts.push_back(std::move(own));
   }
   write_atomically(path, [&](const fs::path& temporary) { write_parts(temporary, path, parts); });
   if (beyond > 0)

@@ -18,6 +18,8 @@ struct Original {
   int part = 0;     // whose attributes the picture has, and whose channels stand beside it
   std::set<std::pair<int, std::string>> replaced;  // part and channel: those that the picture stands for
   std::set<int> samples;                           // parts that are samples: left out
+  /// Whether the picture is the first part; else it stays behind those before `part`, which are the hero's.
+  bool leads = true;
   std::string prefix = {};  // of the picture's channels, where other views' lie in one part with them
 };
 

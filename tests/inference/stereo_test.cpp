@@ -109,18 +109,29 @@ TEST_F(Stereo, ViewsInParts) {
                    {"rgb.right", kWindow, colour("", 2), "right"},
                    {"matte", kWindow, {{"id", everywhere(7)}}}});
   ASSERT_EQ(denoise("parts.exr", "left.exr").exit_code, 0);
-  ASSERT_EQ(denoise("left.exr", "parts_both.exr", {"--view", "right"}).exit_code, 0);
-  const ExrReader left(path("left.exr")), both(path("parts_both.exr"));
+  ASSERT_EQ(denoise("parts.exr", "right.exr", {"--view", "right"}).exit_code, 0);
+  const ExrReader left(path("left.exr")), right(path("right.exr"));
   EXPECT_EQ(left.header(0).view(), "left");
   expect_channel(left, 0, "R", true, 1);
   expect_channel(left, part_of(left, "rgb.right"), "R", false, 2);
-  EXPECT_EQ(both.header(0).view(), "right");
-  expect_channel(both, 0, "R", true, 2);
-  const int other = part_of(both, "denoised_");
-  ASSERT_GE(other, 0);
-  EXPECT_EQ(both.header(other).view(), "left");
-  expect_channel(both, other, "R", true, 1);
-  expect_channel(both, part_of(both, "matte"), "id", false, 7);
+  EXPECT_EQ(right.header(0).view(), "left") << "the hero stays the hero";
+  expect_channel(right, 0, "R", false, 1);
+  ASSERT_EQ(right.part_name(1), "denoised");
+  EXPECT_EQ(right.header(1).view(), "right");
+  expect_channel(right, 1, "R", true, 2);
+
+  // The other view afterwards, in either order.
+  ASSERT_EQ(denoise("left.exr", "left_right.exr", {"--view", "right"}).exit_code, 0);
+  ASSERT_EQ(denoise("right.exr", "right_left.exr").exit_code, 0);
+  for (const char* name : {"left_right.exr", "right_left.exr"}) {
+    const ExrReader both(path(name));
+    ASSERT_EQ(both.parts(), 3) << name;
+    EXPECT_EQ(both.header(0).view(), "left") << name;
+    expect_channel(both, 0, "R", true, 1);
+    EXPECT_EQ(both.header(1).view(), "right") << name;
+    expect_channel(both, 1, "R", true, 2);
+    expect_channel(both, part_of(both, "matte"), "id", false, 7);
+  }
 }
 
 TEST_F(Stereo, BlendersFiles) {
