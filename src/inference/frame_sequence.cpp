@@ -1,6 +1,7 @@
 #include "inference/frame_sequence.h"
 
 #include <glob.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <charconv>
@@ -72,7 +73,9 @@ struct NamePattern {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error))
       if (const std::optional<int64_t> number = number_in(entry.path().filename().string()))
-        numbers.insert(*number);
+        if (!numbers.insert(*number).second)
+          spdlog::warn("two files of {}{:#>{}}{} are frame {}; {} is taken", before, "", digits, after,
+                       *number, of(*number).filename().string());
     return numbers;
   }
 };
