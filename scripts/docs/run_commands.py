@@ -13,7 +13,8 @@ import pages
 import snippets
 from header_comments import ROOT
 
-LINKED = ["configs", "models", "scripts", "examples", "integrations", "tests", "data/recipes", "data/import"]
+COPIED = ["configs", "scripts", "examples", "integrations", "data/recipes", "data/import"]   # so that no command writes to the project's
+LINKED = ["models", "tests"]
 TIMEOUT = 120
 
 
@@ -53,8 +54,9 @@ class Runner:
         return ""
 
     def look_like_project(self, folder):
+        for name in COPIED:
+            shutil.copytree(ROOT / name, folder / name)
         for name in LINKED:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).symlink_to(ROOT / name)
         (folder / "build").symlink_to(known.BUILD)
         (folder / "out").mkdir()

@@ -31,7 +31,8 @@ def command_of(block, folder, declarations):
     """(the command that tries a snippet, why there is none)."""
     source = folder / f"snippet_{block.line}.{block.language}"
     if block.language == "python":
-        modules = tuple(re.findall(r"^(?:import|from) (\w+)", block.text, re.M))
+        modules = tuple(name for name in re.findall(r"^(?:import|from) (\w+)", block.text, re.M)
+                        if not (ROOT / "scripts/peers" / f"{name}.py").exists())
         python = python_with(modules)
         source.write_text(block.text)
         return (f"{python} {source.name}", "") if python else ("", f"no Python here has all of {', '.join(modules)} (PyPI)")
