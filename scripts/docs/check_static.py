@@ -202,8 +202,34 @@ def check_link(found, link):
         found.fault(link, f"a link to {link.text}, but that page has no such heading")
 
 
+def same_value(shown, default):
+    shown, default = shown.strip("` "), default.strip('"')
+    try:
+        return float(shown) == float(default)
+    except ValueError:
+        return shown == default
+
+
+def check_defaults(found, page, prose):
+    """Tables with the heading `| key | value | what |`: the values are the defaults of a training configuration."""
+    for table in re.finditer(r"^\| key \| value \| what \|\n\|[-| ]+\|\n((?:\|.*\n)*)", prose, re.M):
+        for number, row in enumerate(table[1].splitlines()):
+            cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", row)[1:-1]]
+            names = re.findall(r"`([^`]+)`", cells[0])
+            section = names[0].rpartition(".")[0]
+            names = [names[0], *(f"{section}.{name}" for name in names[1:])]
+            values = cells[1].split(", ") if len(names) > 1 else [cells[1]]
+            for name, value in zip(names, values):
+                if name in known.defaults("train"):
+                    found.count("defaults")
+                    if not same_value(value, known.defaults("train")[name]):
+                        line = prose.count("\n", 0, table.start()) + 3 + number
+                        found.fault(pages.Piece(page, line, row), f"{name} is {value} here, but {known.defaults('train')[name]} in the program")
+
+
 def check_page(found, page, external):
-    blocks, codes, links, _ = pages.read_page(page)
+    blocks, codes, links, prose = pages.read_page(page)
+    check_defaults(found, page, prose)
     for block in blocks:
         check_block(found, block, external)
     for code in codes:

@@ -58,8 +58,12 @@ def script_options(path):
 
 
 @functools.lru_cache(None)
+def defaults(kind):
+    return {key["key"]: key["default"] for key in keys_page.known_keys(str(BIN / "ld_inspect"), kind)}
+
+
 def keys(kind):
-    return [key["key"] for key in keys_page.known_keys(str(BIN / "ld_inspect"), kind)]
+    return list(defaults(kind))
 
 
 def is_key(kind, name):

@@ -64,6 +64,13 @@ class SentencesTest(unittest.TestCase):
         for text in ["--max-memry", "optimizer.emma", "src/core/eror.h", "ld_export --modl RUN", "no_such_file.py", "docs/*.rst"]:
             self.assertEqual(len(faults_of(check_static.check_code, text)), 1, text)
 
+    def test_defaults(self):
+        table = "| key | value | what |\n| --- | --- | --- |\n| `loss` | `smape` | a |\n| `optimizer.beta1`, `beta2` | 0.9, {} | b |\n| `data.*` | | c |\n"
+        for value, faults in [("0.999", 0), ("0.99", 1)]:
+            found = check_static.Findings()
+            check_static.check_defaults(found, "docs/made_up.md", table.format(value))
+            self.assertEqual((len(found.faults), found.counts["defaults"]), (faults, 3), found.faults)
+
     def test_links(self):
         for text in ["training.md#losses", "../README.md", "images/tradeoff.svg", "https://example.org/x", "#nothing_of_a_page_that_is_not"]:
             expected = 1 if text.startswith("#") else 0
