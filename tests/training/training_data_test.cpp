@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/error.h"
 #include "core/file_io.h"
 #include "models/initialise.h"
@@ -168,6 +170,14 @@ TEST(AutoFeatures, AreFoundKeptAndContinuedWith) {
       std::string::npos);
   const SafetensorsFile weights(resolve_model(folder / "run"));
   EXPECT_EQ(read_weights_header(weights).network.features, expected);
+  // What docs/data_format.md promises of the best checkpoint's weights.
+  const auto provenance = nlohmann::json::parse(read_weights_header(weights).provenance);
+  EXPECT_EQ(provenance.at("seed"), config.seed);
+  EXPECT_EQ(provenance.at("loss"), config.loss);
+  EXPECT_EQ(provenance.at("dataset"), manifests_checksum(config.data));
+  EXPECT_GT(provenance.at("steps"), 0);
+  EXPECT_GT(provenance.at("validation_loss"), 0);
+  EXPECT_EQ(provenance.at("program"), "ld_train " LD_VERSION);
 
   // A run continues with what it found, whatever its data became.
   write_tiny_dataset(folder / "data", 3);
