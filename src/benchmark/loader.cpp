@@ -76,9 +76,9 @@ nlohmann::ordered_json load_epochs(const TrainConfig& config, int64_t epochs) {
   for (int64_t epoch = 0; epoch < epochs; ++epoch) {
     const double mb_before = resident_memory_mb(), wall = wall_seconds(), cpu = cpu_seconds();
     const double rise = peak_memory_mb([&] {
-      for (int64_t i = 0; i < set.steps_per_epoch(); ++i) set.batch(step++);
+      for (int64_t i = 0; i < set.batches_per_epoch(); ++i) set.batch(step++);
     });
-    const auto steps = static_cast<double>(set.steps_per_epoch());
+    const auto steps = static_cast<double>(set.batches_per_epoch());
     rows.push_back({{"batch_ms", 1e3 * (wall_seconds() - wall) / steps},
                     {"batch_cpu_ms", 1e3 * (cpu_seconds() - cpu) / steps},
                     {"mb_before", mb_before},
@@ -153,7 +153,7 @@ double step_ms(const LoaderBench& options, const fs::path& cache) {
 
 /// Seconds of each epoch of a training, from the log that the trainer writes.
 nlohmann::ordered_json train_epochs(TrainConfig config, int64_t epochs, const fs::path& run) {
-  const int64_t steps = make_training_set(config).steps_per_epoch();
+  const int64_t steps = make_training_set(config).batches_per_epoch();
   config.run = {epochs * steps, steps, epochs * steps, epochs * steps};
   Trainer(config, run).train();
   std::istringstream lines(read_file(run / "timing.csv"));

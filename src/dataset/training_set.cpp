@@ -35,13 +35,13 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
       options_(options),
       part_(batch_part(options.batch, options.rank, options.processes)),
       plan_(make_plan(sets_, options.seed)),
-      batches_([this](int64_t step) { return batch_with(step, sample_count(step)); }, options.workers) {
+      batches_([this](int64_t number) { return batch_with(number, sample_count(number)); }, options.workers) {
   if (options_.batch < options_.processes)
     fail_usage(
         "data.batch: {} crops a step cannot be split over {} processes; set data.batch={} or more, or start "
         "fewer processes",
         options_.batch, options_.processes, options_.processes);
-  if (steps_per_epoch() < 1)
+  if (batches_per_epoch() < 1)
     fail_usage(
         "data.batch: {} crops a step come from different frames, but the split has {}; render more frames or "
         "set data.batch={}",
@@ -63,33 +63,53 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
             set.store->name(i), set.store->spp(i), options_.samples.least, set.store->spp(i));
 }
 
-int TrainingSet::sample_count(int64_t step) const {
+int64_t TrainingSet::batches_per_epoch() const {
+  const auto crops = static_cast<int64_t>(plan_.crops());
+  const int64_t step = options_.batch * options_.accumulate;
+  return step <= crops ? crops / step * options_.accumulate : crops / options_.batch;
+}
+
+RandomStream TrainingSet::Slot::stream(uint64_t seed, uint32_t purpose) const {
+  return RandomStream(seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
+                      static_cast<uint32_t>(place), purpose);
+}
+
+/// `place`: within the batch.
+TrainingSet::Slot TrainingSet::slot_of(int64_t number, int64_t place) const {
+  return {number / options_.accumulate, number % options_.accumulate * options_.batch + place};
+}
+
+/// Of the whole batch.
+std::vector<FrameRef> TrainingSet::frames_of(int64_t number) const {
+  const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(number / batches_per_epoch()));
+  const auto first = epoch.begin() + number % batches_per_epoch() * options_.batch;
+  return {first, first + options_.batch};
+}
+
+/// All batches of a step have as many.
+int TrainingSet::sample_count(int64_t number) const {
   if (options_.samples.all()) return 0;
-  RandomStream stream(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step), 0, kHowMany);
+  RandomStream stream = Slot{number / options_.accumulate, 0}.stream(options_.seed, kHowMany);
   return draw_sample_count(stream, options_.samples);
 }
 
-Batch TrainingSet::batch_with(int64_t step, int samples) const {
-  const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(step / steps_per_epoch()));
-  const auto first = static_cast<size_t>(step % steps_per_epoch() * options_.batch);
+Batch TrainingSet::batch_with(int64_t number, int samples) const {
+  const std::vector<FrameRef> frames = frames_of(number);
   std::vector<FrameCrop> crops;
-  // The number of the slot in the whole batch decides its crop, whoever reads it.
-  const auto begin = static_cast<size_t>(part_.first), end = begin + static_cast<size_t>(part_.count);
-  for (size_t slot = begin; slot < end; ++slot)
-    crops.push_back(draw_crop(epoch[first + slot], step, slot, samples));
+  for (int64_t place = part_.first; place < part_.first + part_.count; ++place)
+    crops.push_back(draw_crop(frames[static_cast<size_t>(place)], slot_of(number, place), samples));
   Batch batch = make_batch(crops, features_);
-  drop_features(batch, step);
+  drop_features(batch, number);
   return batch;
 }
 
 /// As frames look that never had the feature: zeros. By hand, as make_batch() does it.
-void TrainingSet::drop_features(Batch& batch, int64_t step) const {
+void TrainingSet::drop_features(Batch& batch, int64_t number) const {
   if (options_.drop == 0) return;
   const torch::Tensor& features = batch.input.features;  // [B, S, F, H, W]
   const int64_t plane = features.size(3) * features.size(4);
   for (int64_t b = 0; b < features.size(0); ++b) {
-    RandomStream stream(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
-                        static_cast<uint32_t>(part_.first + b), kDropped);
+    RandomStream stream = slot_of(number, part_.first + b).stream(options_.seed, kDropped);
     for (const std::string& name : options_.optional) {
       if (static_cast<double>(stream.uniform()) >= options_.drop) continue;
       const int64_t first = first_channel(features_, name), channels = find_feature(name).channels;
@@ -103,11 +123,11 @@ void TrainingSet::drop_features(Batch& batch, int64_t step) const {
 
 std::string TrainingSet::describe(int64_t first, int64_t count) const {
   std::string text;
-  for (int64_t step = first; step < first + count; ++step) {
-    const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(step / steps_per_epoch()));
-    for (size_t slot = 0; slot < static_cast<size_t>(options_.batch); ++slot) {
-      const FrameRef ref = epoch[static_cast<size_t>(step % steps_per_epoch() * options_.batch) + slot];
-      const FrameCrop drawn = draw_crop(ref, step, slot, sample_count(step));
+  for (int64_t number = first; number < first + count; ++number) {
+    const std::vector<FrameRef> frames = frames_of(number);
+    for (int64_t place = 0; place < options_.batch; ++place) {
+      const FrameRef ref = frames[static_cast<size_t>(place)];
+      const FrameCrop drawn = draw_crop(ref, slot_of(number, place), sample_count(number));
       const Augmentation& crop = drawn.augmentation;
       text +=
           fmt::format("{}{} at {},{}{}{}{}", text.empty() ? "" : "; ", sets_[ref.set].store->name(ref.frame),
@@ -120,14 +140,12 @@ std::string TrainingSet::describe(int64_t first, int64_t count) const {
   return text;
 }
 
-FrameCrop TrainingSet::draw_crop(const FrameRef& ref, int64_t step, size_t slot, int samples) const {
-  RandomStream stream(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
-                      static_cast<uint32_t>(slot));
+FrameCrop TrainingSet::draw_crop(const FrameRef& ref, const Slot& slot, int samples) const {
+  RandomStream stream = slot.stream(options_.seed);
   FrameStore& store = *sets_[ref.set].store;
   const std::shared_ptr<const PackedFrame> frame = store.get(ref.frame);
   const Augmentation augmentation = random_augmentation(stream, *frame, options_.augmentation);
-  RandomStream which(options_.seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
-                     static_cast<uint32_t>(slot), kWhich);
+  RandomStream which = slot.stream(options_.seed, kWhich);
   SampleList drawn = samples == 0 ? SampleList() : draw_samples(which, frame->spp, samples);
   auto checked = store.get_intact(ref.frame, frame, augmentation.tiles(), drawn);
   return {std::move(checked), augmentation, std::move(drawn)};

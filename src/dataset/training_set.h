@@ -1,5 +1,6 @@
 // Batches of augmented crops, a pure function of (seed, step): whoever resumes at step n sees the crops that
-// an uninterrupted run sees, whatever the number of threads that prepare them.
+// an uninterrupted run sees, whatever the number of threads that prepare them. A step that takes its crops in
+// several batches sees those of one large batch, in their order.
 #pragma once
 
 #include <torch/torch.h>
@@ -22,6 +23,7 @@ struct TrainingSetOptions {
   std::vector<std::string> optional;  // features that crops may lack, each in a share `drop` of them
   double drop = 0;
   int64_t batch = 4;
+  int64_t accumulate = 1;  // batches a step
   uint64_t seed = 1;
   int workers = 2;  // threads that prepare batches ahead of their use; 0: each when it is asked for
   int rank = 0, processes = 1;  // of several processes, each reads its own part of the same batches
@@ -45,14 +47,16 @@ class TrainingSet {
   /// fewer samples than `samples.least`, or there are more processes than crops in a batch.
   TrainingSet(std::vector<WeightedStore> sets, std::vector<std::string> features, TrainingSetOptions options);
 
-  /// What does not fill a batch at the end of an epoch is left out of it.
-  int64_t steps_per_epoch() const { return static_cast<int64_t>(plan_.crops()) / options_.batch; }
+  /// What does not fill a step at the end of an epoch is left out of it; where a step takes more crops than
+  /// an epoch has, what does not fill a batch.
+  int64_t batches_per_epoch() const;
 
-  /// This process's part of the batch of a step, from 0. Throws what went wrong with it: Error for bad data.
-  Batch batch(int64_t step) { return batches_.get(step); }
+  /// This process's part of a batch, counted from 0: step s takes batches s * accumulate ... Throws what went
+  /// wrong with it: Error for bad data.
+  Batch batch(int64_t number) { return batches_.get(number); }
 
   /// That batch as it would be with `samples` samples, made on the calling thread: for estimates.
-  Batch batch_with(int64_t step, int samples) const;
+  Batch batch_with(int64_t number, int samples) const;
 
   /// The part's crops divided by those of the whole batch. The mean loss over the whole batch is the sum over
   /// the processes of the mean over each one's part times this.
@@ -64,9 +68,16 @@ class TrainingSet {
   std::string describe(int64_t first, int64_t count) const;
 
  private:
-  int sample_count(int64_t step) const;
-  void drop_features(Batch& batch, int64_t step) const;
-  FrameCrop draw_crop(const FrameRef& ref, int64_t step, size_t slot, int samples) const;
+  /// Where a crop stands among all those of its step: it decides the crop, whoever reads it.
+  struct Slot {
+    int64_t step, place;
+    RandomStream stream(uint64_t seed, uint32_t purpose = 0) const;
+  };
+  Slot slot_of(int64_t number, int64_t place) const;
+  std::vector<FrameRef> frames_of(int64_t number) const;
+  int sample_count(int64_t number) const;
+  void drop_features(Batch& batch, int64_t number) const;
+  FrameCrop draw_crop(const FrameRef& ref, const Slot& slot, int samples) const;
 
   std::vector<WeightedStore> sets_;
   std::vector<std::string> features_;

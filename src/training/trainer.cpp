@@ -112,7 +112,7 @@ bool Trainer::must_stop() {
 }
 
 int64_t Trainer::epoch_of(int64_t step) const {
-  return step * config_.optimizer.accumulate / training_set_.steps_per_epoch();
+  return step * config_.optimizer.accumulate / training_set_.batches_per_epoch();
 }
 
 double Trainer::rate_factor() const {
@@ -220,7 +220,7 @@ bool Trainer::validate(std::map<std::string, double>& row) {
 void Trainer::log_row(std::map<std::string, double> row) {
   if (!group_.is_root()) return;
   const auto steps = static_cast<double>(state_.step * config_.optimizer.accumulate);
-  row["epoch"] = steps / static_cast<double>(training_set_.steps_per_epoch());
+  row["epoch"] = steps / static_cast<double>(training_set_.batches_per_epoch());
   row["learning_rate"] = rate_of(state_.step - 1);
   row["skipped"] = static_cast<double>(state_.skipped);
   row["rollbacks"] = static_cast<double>(state_.rollbacks);

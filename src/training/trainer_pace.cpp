@@ -49,7 +49,7 @@ Pace Trainer::measure_pace() {
   pace.first_step = typical(first);
   const int64_t known = static_cast<int64_t>(first.size()) + kWarmUp;
   pace.first_steps =
-      std::max<int64_t>(training_set_.steps_per_epoch() / config_.optimizer.accumulate - known, 0);
+      std::max<int64_t>(training_set_.batches_per_epoch() / config_.optimizer.accumulate - known, 0);
   pace.step = typical(time_steps(known));
   pace.validate_every = config_.run.validate_every;
   pace.checkpoint_every = config_.run.checkpoint_every;
@@ -112,7 +112,7 @@ std::optional<Pace> Trainer::settle_steps() {
       config_.steps = std::stoll(group_.broadcast(std::to_string(steps), what));
     }
   }
-  const int64_t of_epochs = config_.epochs * training_set_.steps_per_epoch() / config_.optimizer.accumulate;
+  const int64_t of_epochs = config_.epochs * training_set_.batches_per_epoch() / config_.optimizer.accumulate;
   total_steps_ = config_.steps > 0 ? config_.steps : std::max<int64_t>(of_epochs, 1);
   last_step_ = config_.run.max_steps > 0 ? std::min(config_.run.max_steps, total_steps_) : total_steps_;
   return pace;

@@ -103,6 +103,7 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
   options.drop = data.drop;
   options.optional = config.network.optional;
   options.batch = data.batch;
+  options.accumulate = config.optimizer.accumulate;
   options.seed = config.seed;
   options.workers = static_cast<int>(data.workers);
   options.rank = rank;

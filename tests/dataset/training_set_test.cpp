@@ -1,5 +1,3 @@
-#include "dataset/training_set.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -8,34 +6,12 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "tests/dataset/tiny_training_set.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/tiny_dataset.h"
 
 namespace ld {
 namespace {
-
-const std::vector<std::string> kFeatures = {"normal", "radiance"};
-
-std::unique_ptr<FrameStore> store(const std::filesystem::path& folder, const CacheOptions& cache = {}) {
-  return std::make_unique<FrameStore>(folder, "train", kFeatures, cache);
-}
-
-TrainingSetOptions options(int crop, int64_t batch, int workers = 0, uint64_t seed = 1) {
-  TrainingSetOptions options;
-  options.augmentation.crop = crop;
-  options.batch = batch;
-  options.workers = workers;
-  options.seed = seed;
-  return options;
-}
-
-TrainingSet training_set(const std::filesystem::path& folder, const TrainingSetOptions& options,
-                         const CacheOptions& cache = {}) {
-  std::vector<WeightedStore> sets;
-  sets.push_back({store(folder, cache), 1});
-  return TrainingSet(std::move(sets), kFeatures, options);
-}
 
 bool same(const Batch& a, const Batch& b) {
   return a.input.features.equal(b.input.features) && a.input.radiance.equal(b.input.radiance) &&
@@ -49,7 +25,7 @@ TEST(TrainingSet, BatchesDependOnSeedAndStepAlone) {
               other = training_set(folder.path(), options(8, 2, 0, 2)),
               uncached = training_set(folder.path(), options(8, 2), {"none", 0}),
               in_memory = training_set(folder.path(), options(8, 2), {"none", 1 << 20});
-  EXPECT_EQ(first.steps_per_epoch(), 2);
+  EXPECT_EQ(first.batches_per_epoch(), 2);
   std::vector<std::unique_ptr<TrainingSet>> many;
   for (const int workers : {1, 2, 5}) {
     std::vector<WeightedStore> sets;
@@ -80,7 +56,7 @@ TEST(TrainingSet, ThePartsOfSeveralProcessesAreTheWholeBatch) {
       part.rank = rank;
       part.processes = processes;
       TrainingSet set = training_set(folder.path(), part);
-      EXPECT_EQ(set.steps_per_epoch(), whole.steps_per_epoch());
+      EXPECT_EQ(set.batches_per_epoch(), whole.batches_per_epoch());
       const Batch batch = set.batch(3);
       EXPECT_EQ(set.batch_share(), static_cast<double>(batch.reference.size(0)) / 7);
       shares += set.batch_share();
@@ -104,7 +80,7 @@ TEST(TrainingSet, FramesOfSeveralSizesAndNumbersOfSamples) {
   sets.push_back({store(folder / "a"), 1});
   sets.push_back({store(folder / "b"), 3});
   TrainingSet set(std::move(sets), kFeatures, options(17, 4, 2));
-  EXPECT_EQ(set.steps_per_epoch(), 1);
+  EXPECT_EQ(set.batches_per_epoch(), 1);
   for (int64_t step = 0; step < 6; ++step) {
     const Batch batch = set.batch(step);
     ASSERT_EQ(batch.input.features.sizes(), (std::vector<int64_t>{4, 3, 6, 17, 17}));

@@ -44,5 +44,37 @@ TEST(Optimizer, AdamwIsLibTorchsForWeightsAndAdamForBiases) {
   }
 }
 
+// Loss and gradient of accumulated batches are those of the larger batch, to rounding; so is the training.
+TEST(Optimizer, AccumulatingTrainsAsTheLargerBatchDoes) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "data", 9, 16, 3);
+  TrainConfig config = tiny_config(folder / "data", 10);
+  config.data.samples = {1, 3};
+  const auto trained = [&](int64_t batch, int64_t accumulate) {
+    config.data.batch = batch;
+    config.optimizer.accumulate = accumulate;
+    const std::shared_ptr<Network> network = make_network(config.network);
+    initialise(*network, 1);
+    TrainingSet set = make_training_set(config);
+    ProcessGroup alone{ProcessGroupOptions{}};
+    Optimizer optimizer(network, config.optimizer);
+    std::vector<double> seen;
+    // At first without a step, so that all see the same weights; then with small ones.
+    for (int64_t step = 0; step < 12; ++step) {
+      const Optimizer::Outcome outcome =
+          optimizer.step(set, step, make_loss("smape"), step < 6 ? 0 : 1e-4, step + 1, alone);
+      seen.push_back(outcome.loss);
+      seen.push_back(outcome.gradient);
+    }
+    return seen;
+  };
+  const std::vector<double> whole = trained(4, 1);
+  for (const int64_t accumulate : {2, 4}) {
+    const std::vector<double> parts = trained(4 / accumulate, accumulate);
+    for (size_t i = 0; i < whole.size(); ++i)
+      EXPECT_NEAR(parts[i] / whole[i], 1, i < 12 ? 1e-5 : 1e-3) << accumulate << " batches, number " << i;
+  }
+}
+
 }  // namespace
 }  // namespace ld
