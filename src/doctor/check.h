@@ -19,6 +19,8 @@ class Check {
   virtual ~Check() = default;
   /// For each index once; safe to call from several threads.
   virtual void look(size_t index, const Evidence& evidence) = 0;
+  /// A frame that is not examined, of which only the header is known; likewise.
+  virtual void pass_over(const std::string& /*split*/, const FrameHeader& /*header*/) {}
   virtual void conclude(Diagnosis& diagnosis) const = 0;
 };
 

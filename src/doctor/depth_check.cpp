@@ -1,6 +1,7 @@
 // Depth is in scene units along the view axis, 65504 where the ray escaped.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "doctor/check.h"
@@ -11,8 +12,11 @@ namespace {
 
 // Half floats keep three digits from 6e-5 to 65504. Scenes whose middle lies beyond these lose the far half
 // or the digits.
-constexpr double kTooFar = 16384, kTooNear = 1e-3;
+constexpr double kTooFar = 16384, kFar = 1000, kTooNear = 1e-3;
+constexpr double kOtherUnit = 8;    // between the stored depth scale and the median of the depths
 constexpr double kMany = 0.01;      // of a frame's samples
+constexpr int64_t kLeastCut = 32;   // samples; the farthest ones of a tiny frame say nothing
+constexpr double kFacing = 0.98;    // normals along the axis: of walls whose depth is one number
 constexpr size_t kLeastVotes = 20;  // flat surfaces before the data set is judged by them
 constexpr double kSureExponent = 0.5;
 
@@ -23,9 +27,25 @@ struct Depth {
   int64_t escaped_near = 0;  // no normal, yet a depth
   int64_t hit_far = 0;       // a normal, yet no depth
   double least = std::numeric_limits<double>::infinity(), largest = 0;
+  int64_t cut = 0;  // at the largest depth, although the surface leads on
   double median = 0;
+  double scale = 0;              // that the file says, which networks divide by
   std::vector<float> exponents;  // of the flat windows that are sure of it
 };
+
+/// Samples at the largest depth of a frame that do not face the camera. Where nothing was cut off they are
+/// few, a surface's farthest edge.
+int64_t count_cut(const Frame& frame, float largest) {
+  int64_t cut = 0;
+  for (int s = 0; s < frame.spp; ++s)
+    for (size_t p = 0; p < frame.plane_size(); ++p) {
+      if (frame.valid_plane(s)[p] == 0 || frame.plane(s, kDepthOffset)[p] != largest) continue;
+      const bool faces = frame.holds("normal") &&
+                         std::abs(static_cast<double>(frame.plane(s, kNormalOffset + 2)[p])) > kFacing;
+      if (!faces && (frame.holds("normal") || static_cast<double>(largest) > kTooFar)) ++cut;
+    }
+  return cut < kLeastCut ? 0 : cut;
+}
 
 Depth measure(const Evidence& evidence) {
   const Frame& frame = evidence.frame;
@@ -54,6 +74,8 @@ Depth measure(const Evidence& evidence) {
       found.largest = std::max(found.largest, depth);
     }
   found.median = static_cast<double>(median_depth(frame));
+  found.scale = static_cast<double>(frame.info.depth_scale);
+  if (found.largest > found.least) found.cut = count_cut(frame, static_cast<float>(found.largest));
   for (const FlatWindow& window : flat_windows(evidence))
     if (window.exponent_error < kSureExponent) found.exponents.push_back(static_cast<float>(window.exponent));
   return found;
@@ -109,30 +131,47 @@ void conclude_axis(const All& frames, Diagnosis& diagnosis) {
       names, diagnosis.facts["depth_axis"]);
 }
 
+/// One finding for the frames that `odd` holds for, named between two texts.
+void judge(const All& frames, Diagnosis& diagnosis, Severity severity,
+           const std::function<bool(const Depth&)>& odd, const std::string& before,
+           const std::string& after) {
+  std::vector<std::string> names;
+  for (const auto& frame : frames)
+    if (frame.result.hits > 0 && odd(frame.result)) names.push_back(frame.name);
+  if (names.empty()) return;
+  diagnosis.add(severity, before + frames_text(names, frames.size()) + after, names,
+                {{"frames", names.size()}});
+}
+
 void conclude_unit(const All& frames, Diagnosis& diagnosis) {
-  std::vector<std::string> far, near;
+  judge(
+      frames, diagnosis, Severity::problem, [](const Depth& d) { return d.median > kTooFar; },
+      "half of the depths of ",
+      fmt::format(" are above {:g}, near the end of half floats, 65504; write metres instead of millimetres",
+                  kTooFar));
+  judge(
+      frames, diagnosis, Severity::warning,
+      [](const Depth& d) { return d.median > kFar && d.median <= kTooFar; }, "half of the depths of ",
+      fmt::format(" are above {:g}: half floats end at 65504, so that what lies some tens of times as far is "
+                  "lost; write metres instead of millimetres",
+                  kFar));
+  judge(
+      frames, diagnosis, Severity::problem, [](const Depth& d) { return d.median < kTooNear; },
+      "half of the depths of ",
+      fmt::format(" are below {:g}, where half floats lose digits; write a smaller unit", kTooNear));
+}
+
+void conclude_normalised(const All& frames, Diagnosis& diagnosis) {
   double largest = 0;
   int64_t hits = 0;
+  bool tiny = true;
   for (const auto& frame : frames) {
     const Depth& d = frame.result;
     hits += d.hits;
     largest = std::max(largest, d.largest);
-    if (d.hits > 0 && d.median > kTooFar) far.push_back(frame.name);
-    if (d.hits > 0 && d.median < kTooNear) near.push_back(frame.name);
+    tiny = tiny && d.hits > 0 && d.median < kTooNear;
   }
-  if (!far.empty())
-    diagnosis.add(Severity::problem,
-                  fmt::format("half of the depths of {} are above {:g}, near the end of half floats, "
-                              "65504; write metres instead of millimetres",
-                              frames_text(far, frames.size()), kTooFar),
-                  far, {{"frames", far.size()}});
-  if (!near.empty())
-    diagnosis.add(Severity::problem,
-                  fmt::format("half of the depths of {} are below {:g}, where half floats lose digits; "
-                              "write a smaller unit",
-                              frames_text(near, frames.size()), kTooNear),
-                  near, {{"frames", near.size()}});
-  if (hits > 0 && largest <= 1 && near.size() < frames.size())
+  if (hits > 0 && largest <= 1 && !tiny)
     diagnosis.add(
         Severity::warning,
         fmt::format(
@@ -140,6 +179,20 @@ void conclude_unit(const All& frames, Diagnosis& diagnosis) {
             "frame perhaps; write scene units, unless the scenes are that small",
             largest),
         {}, {{"largest", largest}});
+}
+
+/// Networks see d / (d + scale), which is 1 for all depths in another unit than the scale's.
+void conclude_scale(const All& frames, Diagnosis& diagnosis) {
+  const auto odd = [](const Depth& d) {
+    return d.median > kOtherUnit * d.scale || d.scale > kOtherUnit * d.median;
+  };
+  const auto first = std::find_if(frames.begin(), frames.end(), [&](const auto& frame) {
+    return frame.result.hits > 0 && odd(frame.result);
+  });
+  if (first == frames.end()) return;
+  judge(frames, diagnosis, Severity::problem, odd, "ldDepthScale is in another unit than the depths of ",
+        fmt::format(" (in {} it is {:.4g}, and their median {:.4g}); write the median, or no ldDepthScale",
+                    first->name, first->result.scale, first->result.median));
 }
 
 void conclude(const All& all, Diagnosis& diagnosis) {
@@ -156,7 +209,13 @@ void conclude(const All& all, Diagnosis& diagnosis) {
                "samples with a normal have depth 65504, as if escaped, in samples",
                "write a larger unit, such as metres, so that depth stays below 65504");
   count_faults(frames, diagnosis, &Depth::zero, "depth is 0 in samples", "write 65504 where the ray escaped");
+  count_faults(
+      frames, diagnosis, &Depth::cut, "depths are cut off at the largest of their frame in samples",
+      "write a larger unit, such as metres, so that depth stays below 65504, and 65504 only where the "
+      "ray escaped");
   conclude_unit(frames, diagnosis);
+  conclude_normalised(frames, diagnosis);
+  conclude_scale(frames, diagnosis);
   conclude_axis(frames, diagnosis);
 }
 

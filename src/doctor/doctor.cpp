@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/progress.h"
+#include "core/signals.h"
 #include "core/threads.h"
 #include "doctor/check.h"
 
@@ -39,23 +41,32 @@ void conclude(const std::vector<std::unique_ptr<Check>>& checks, Diagnosis& diag
   }
 }
 
-/// `wanted` of the frames, evenly spread.
-std::vector<ManifestFrame> chosen_frames(const Manifest& manifest, int64_t wanted) {
+struct Choice {
+  std::vector<ManifestFrame> examined, passed_over;
+};
+
+/// `wanted` of the frames, evenly spread; 0: all.
+Choice choose_frames(const Manifest& manifest, int64_t wanted) {
   const auto all = static_cast<int64_t>(manifest.frames.size());
-  if (wanted <= 0 || wanted >= all) return manifest.frames;
-  std::vector<ManifestFrame> chosen;
-  for (int64_t i = 0; i < wanted; ++i)
-    chosen.push_back(manifest.frames[static_cast<size_t>(i * all / wanted)]);
-  return chosen;
+  if (wanted <= 0 || wanted >= all) return {manifest.frames, {}};
+  Choice choice;
+  for (int64_t i = 0; i < all; ++i) {
+    const bool next = i == static_cast<int64_t>(choice.examined.size()) * all / wanted;
+    (next ? choice.examined : choice.passed_over).push_back(manifest.frames[static_cast<size_t>(i)]);
+  }
+  return choice;
 }
 
 }  // namespace
 
 Diagnosis examine_dataset(const fs::path& folder, const Manifest& manifest, const DoctorOptions& options) {
-  const std::vector<ManifestFrame> frames = chosen_frames(manifest, options.frames);
+  const Choice choice = choose_frames(manifest, options.frames);
+  const std::vector<ManifestFrame>& frames = choice.examined;
   const auto checks = make_checks(frames.size());
   std::vector<std::string> complaints(frames.size());
+  Progress progress("frames", static_cast<int64_t>(frames.size()));
   parallel_for(static_cast<int64_t>(frames.size()), options.threads, [&](int64_t i) {
+    if (stop_requested()) return;
     const auto index = static_cast<size_t>(i);
     try {
       const Evidence evidence = read_evidence(folder, frames[index]);
@@ -63,7 +74,12 @@ Diagnosis examine_dataset(const fs::path& folder, const Manifest& manifest, cons
     } catch (const Error& error) {
       complaints[index] = error.what();
     }
+    progress.advance();
   });
+  for (const ManifestFrame& frame : choice.passed_over) {
+    const FrameHeader header = read_frame_header(frame_path(folder, frame.name));
+    for (const auto& check : checks) check->pass_over(frame.split, header);
+  }
   Diagnosis diagnosis;
   diagnosis.facts["examined_frames"] = frames.size();
   for (size_t i = 0; i < frames.size(); ++i)

@@ -18,7 +18,9 @@ struct DoctorOptions {
 };
 
 /// Examines the frames of a data set and their references. Memory: one frame a thread, and about a kilobyte
-/// for every frame. A frame that cannot be read becomes a problem of the check "files".
+/// for every frame. A frame that cannot be read becomes a problem of the check "files". Of the others only
+/// the headers are read, whose faults are thrown as Error. Ends early when a stop is requested
+/// (core/signals.h): what it says is then of some frames only.
 Diagnosis examine_dataset(const std::filesystem::path& folder, const Manifest& manifest,
                           const DoctorOptions& options);
 

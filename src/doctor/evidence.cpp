@@ -19,10 +19,7 @@ std::map<std::string, int64_t> count_not_finite(const fs::path& path, const Fram
   const ExrReader exr(path);
   std::vector<float> values(frame.plane_size() * 3);
   for (int part = 0; part < exr.parts(); ++part) {
-    const std::string name = exr.part_name(part);
-    if (name.size() < 4 || name[0] != 's' || exr.width(part) != frame.width ||
-        exr.height(part) != frame.height)
-      continue;
+    if (sample_number(exr.part_name(part)) < 0) continue;
     for (const std::string& feature_name : frame.features) {
       const Feature& feature = find_feature(feature_name);
       std::vector<ExrPlane> planes;

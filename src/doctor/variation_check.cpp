@@ -18,9 +18,27 @@ class VariationCheck : public Check {
     if (evidence.split == "train") training_.add(evidence.frame);
   }
 
+  void pass_over(const std::string& split, const FrameHeader& header) override {
+    Frame unread(0, 0, 0);  // says which features are held, not what they are
+    unread.features = header.features;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    all_.add(unread);
+    ++all_unread_;
+    if (split != "train") return;
+    training_.add(unread);
+    ++training_unread_;
+  }
+
   void conclude(Diagnosis& diagnosis) const override {
-    const FeatureVariation& seen = training_.frames() > 0 ? training_ : all_;
+    const bool training = training_.frames() > 0;
+    const FeatureVariation& seen = training ? training_ : all_;
     if (seen.frames() == 0) return;
+    // What does not vary in some frames may do so in those that were not read.
+    if ((training ? training_unread_ : all_unread_) > 0 && !seen.settled()) {
+      diagnosis.facts["features_auto"] = nullptr;
+      diagnosis.facts["features_varying"] = seen.used();
+      return;
+    }
     diagnosis.facts["features_auto"] = seen.used();
     nlohmann::ordered_json idle = nlohmann::ordered_json::object();
     std::vector<std::string> reasons;
@@ -43,6 +61,7 @@ class VariationCheck : public Check {
  private:
   std::mutex mutex_;
   FeatureVariation all_, training_;
+  int64_t all_unread_ = 0, training_unread_ = 0;
 };
 
 }  // namespace

@@ -14,12 +14,16 @@ struct FrameHeader {
   int width = 0, height = 0;
   int spp = 0;                        // number of sample parts; 0 for a file with means only
   std::vector<std::string> features;  // features of the schema that every sample part holds
+  std::string misnamed;               // where there are none: a part that looks like one, such as "s0"
   bool alpha = false;                 // every sample part has a channel A
   FrameInfo info;
 };
 
 /// The number in a part's name "s000", "s001", ..., "s1000"; -1 for any other name.
 int sample_number(const std::string& part_name);
+
+/// What to say of a file without samples one of whose parts looks like one.
+std::string misnamed_text(const FrameHeader& header);
 
 /// Throws Error: missing file, not an EXR, truncated, absurd size, unequal parts, newer schema version.
 FrameHeader read_frame_header(const std::filesystem::path& path);

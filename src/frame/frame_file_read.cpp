@@ -1,6 +1,7 @@
 #include <ImfChannelList.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "core/error.h"
@@ -41,6 +42,25 @@ std::vector<int> sample_parts(const ExrReader& exr) {
   return parts;
 }
 
+/// "s0", "S_01", "sample.0001": as samples are numbered elsewhere.
+bool looks_like_sample(const std::string& name) {
+  size_t digits = 0;
+  while (digits < name.size() &&
+         std::isdigit(static_cast<unsigned char>(name[name.size() - 1 - digits])) != 0)
+    ++digits;
+  std::string word = name.substr(0, name.size() - digits);
+  if (!word.empty() && std::string("_-. ").find(word.back()) != std::string::npos) word.pop_back();
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return digits > 0 && (word == "s" || word == "sample");
+}
+
+std::string misnamed_sample(const ExrReader& exr) {
+  for (int part = 0; part < exr.parts(); ++part)
+    if (looks_like_sample(exr.part_name(part))) return exr.part_name(part);
+  return "";
+}
+
 bool holds(const ExrReader& exr, int part, const Feature& feature) {
   for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
     if (!exr.has_channel(part, feature.exr_channels[c])) return false;
@@ -52,6 +72,8 @@ FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
   int said_spp = -1;
   header.info = read_attributes(exr.header(0), exr.path(), said_spp);
   header.spp = static_cast<int>(parts.size());
+  if (parts.empty()) header.misnamed = misnamed_sample(exr);
+  if (said_spp > 0 && !header.misnamed.empty()) fail("{}: no samples: {}", exr.path(), misnamed_text(header));
   if (said_spp >= 0 && said_spp != header.spp)
     fail(
         "{}: the attribute ldSpp says {} samples a pixel, but {} sample parts were found; keep the parts "
@@ -113,6 +135,13 @@ void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& 
   if (!frame.alpha.empty()) frame.alpha.resize(kept);
 }
 
+std::string misnamed_text(const FrameHeader& header) {
+  return fmt::format(
+      "part '{}' looks like a sample, but samples are named s000, s001, ..., with three digits or more; name "
+      "the parts so, or import the file with a mapping whose patterns have {{sample}} (docs/import.md)",
+      header.misnamed);
+}
+
 FrameHeader read_frame_header(const std::filesystem::path& path) {
   const ExrReader exr(path);
   return header_of(exr, sample_parts(exr));
@@ -123,6 +152,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   const ExrReader exr(path);
   std::vector<int> parts = sample_parts(exr);
   const FrameHeader header = header_of(exr, parts);
+  if (!header.misnamed.empty()) fail("{}: no samples: {}", exr.path(), misnamed_text(header));
   if (header.spp == 0)
     fail(
         "{}: no samples (parts s000, s001, ...): its first part holds {}; if it is one of several renders of "

@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "core/file_io.h"
-#include "core/threads.h"
 #include "tests/doctor/pictures.h"
 #include "tests/support/temporary_folder.h"
 
@@ -17,29 +16,6 @@ namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-
-Manifest write_pictures(const fs::path& folder, const Pictures& pictures) {
-  Manifest manifest;
-  for (const Picture& picture : pictures) {
-    write_frame(frame_path(folder, picture.entry.name), picture.frame);
-    write_image(reference_path(folder, picture.entry.name), picture.reference);
-    manifest.frames.push_back(picture.entry);
-  }
-  return manifest;
-}
-
-Diagnosis examine(const Pictures& pictures) {
-  const TemporaryFolder folder;
-  const Manifest manifest = write_pictures(folder.path(), pictures);
-  return examine_dataset(folder.path(), manifest, {default_threads(), 0});
-}
-
-std::string text_of(const Diagnosis& diagnosis) {
-  std::string text;
-  for (const Finding& finding : diagnosis.findings)
-    text += std::string(severity_name(finding.severity)) + ": " + finding.check + ": " + finding.text + "\n";
-  return text;
-}
 
 struct Fault {
   const char* name;

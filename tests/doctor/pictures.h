@@ -8,13 +8,16 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "core/threads.h"
+#include "doctor/doctor.h"
 #include "doctor/evidence.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
 #include "render/dataset_renderer.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ld {
 
@@ -45,6 +48,29 @@ inline Pictures render_pictures(const std::filesystem::path& folder) {
     picture.reference = read_image(reference_path(folder, entry.name));
   }
   return pictures;
+}
+
+inline Manifest write_pictures(const std::filesystem::path& folder, const Pictures& pictures) {
+  Manifest manifest;
+  for (const Picture& picture : pictures) {
+    write_frame(frame_path(folder, picture.entry.name), picture.frame);
+    write_image(reference_path(folder, picture.entry.name), picture.reference);
+    manifest.frames.push_back(picture.entry);
+  }
+  return manifest;
+}
+
+inline Diagnosis examine(const Pictures& pictures) {
+  const TemporaryFolder folder;
+  const Manifest manifest = write_pictures(folder.path(), pictures);
+  return examine_dataset(folder.path(), manifest, {default_threads(), 0});
+}
+
+inline std::string text_of(const Diagnosis& diagnosis) {
+  std::string text;
+  for (const Finding& finding : diagnosis.findings)
+    text += std::string(severity_name(finding.severity)) + ": " + finding.check + ": " + finding.text + "\n";
+  return text;
 }
 
 /// Applies `change` to every sample's three or fewer channels from `offset` on: (frame, pixel x, y, values).

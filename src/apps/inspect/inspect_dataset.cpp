@@ -3,6 +3,8 @@
 
 #include "apps/inspect/inspect.h"
 #include "core/error.h"
+#include "core/progress.h"
+#include "core/signals.h"
 #include "core/threads.h"
 #include "doctor/doctor.h"
 #include "frame/frame_file.h"
@@ -26,6 +28,8 @@ FrameFinding check_frame(const fs::path& folder, const ManifestFrame& entry, boo
     verify_frame(folder, existence);
     finding.header = read_frame_header(frame_path(folder, entry.name));
     const FrameHeader reference = read_frame_header(reference_path(folder, entry.name));
+    if (!finding.header.misnamed.empty())
+      fail("{}: no samples: {}", frame_path(folder, entry.name).string(), misnamed_text(finding.header));
     if (finding.header.spp == 0)
       fail("{}: no samples, only means; expected parts s000, s001, ...",
            frame_path(folder, entry.name).string());
@@ -37,6 +41,19 @@ FrameFinding check_frame(const fs::path& folder, const ManifestFrame& entry, boo
     finding.problem = error.what();
   }
   return finding;
+}
+
+std::vector<FrameFinding> check_frames(const fs::path& folder, const Manifest& manifest,
+                                       const InspectOptions& options) {
+  std::vector<FrameFinding> findings(manifest.frames.size());
+  Progress progress(options.verify ? "checksums" : "headers", static_cast<int64_t>(findings.size()));
+  parallel_for(static_cast<int64_t>(findings.size()), options.threads, [&](int64_t i) {
+    if (stop_requested()) return;
+    const auto index = static_cast<size_t>(i);
+    findings[index] = check_frame(folder, manifest.frames[index], options.verify);
+    progress.advance();
+  });
+  return findings;
 }
 
 void add_findings(Report& report, const Manifest& manifest, const std::vector<FrameFinding>& findings) {
@@ -74,11 +91,7 @@ void inspect_dataset(Report& report, const InspectOptions& options) {
   report.attempt([&] {
     const fs::path folder = report.path;
     const Manifest manifest = read_manifest(folder);
-    std::vector<FrameFinding> findings(manifest.frames.size());
-    parallel_for(static_cast<int64_t>(findings.size()), options.threads, [&](int64_t i) {
-      const auto index = static_cast<size_t>(i);
-      findings[index] = check_frame(folder, manifest.frames[index], options.verify);
-    });
+    const std::vector<FrameFinding> findings = check_frames(folder, manifest, options);
     report.facts["seed"] = manifest.seed;
     report.facts["recipe"] = manifest.recipe.empty() ? "none: frames from elsewhere" : "kept in the manifest";
     add_findings(report, manifest, findings);

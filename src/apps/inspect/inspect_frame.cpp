@@ -68,6 +68,7 @@ void inspect_exr(Report& report) {
   report.facts["height"] = header.height;
   report.facts["spp"] = header.spp;
   if (header.spp == 0) {
+    if (!header.misnamed.empty()) report.problems.push_back(misnamed_text(header));
     inspect_image(report);
     return;
   }

@@ -58,7 +58,10 @@ std::string report_text(const Report& report) {
   add_facts(text, report.facts, "  ");
   for (const std::string& warning : report.warnings) text += "  warning: " + warning + "\n";
   for (const std::string& problem : report.problems) text += "  problem: " + problem + "\n";
-  if (report.problems.empty()) text += "  nothing is wrong with it\n";
+  if (report.problems.empty() && report.warnings.empty()) text += "  nothing is wrong with it\n";
+  if (report.problems.empty() && !report.warnings.empty())
+    text += fmt::format("  no problem, {} warning{}\n", report.warnings.size(),
+                        report.warnings.size() == 1 ? "" : "s");
   return text;
 }
 
