@@ -92,11 +92,12 @@ void declare_tradeoff(CLI::App& command, ld::TradeoffOptions& tradeoff, std::str
   command.fallthrough();
   command.add_option("--data", tradeoff.data, "data set")->required();
   command.add_option("--split", tradeoff.split, "which frames")->capture_default_str();
-  command.add_option("--model", tradeoff.models,
-                     "NAME=FILE: weights, checkpoint or run; may be repeated (default: none)");
-  command.add_option(
-      "--images", tradeoff.images,
-      "NAME=DIR: another denoiser's pictures of the same frames and its cost.json (default: none)");
+  ld::repeated(command.add_option("--model", tradeoff.models,
+                                  "NAME=FILE: weights, checkpoint or run; may be repeated (default: none)"));
+  ld::repeated(
+      command.add_option("--images", tradeoff.images,
+                         "NAME=DIR: another denoiser's pictures of the same frames and its cost.json; may be "
+                         "repeated (default: none)"));
   command.add_option("--metric", tradeoff.metric, "the error of the figure and of what counts as beaten")
       ->capture_default_str();
   command.add_option("--frames-limit", tradeoff.frames_limit, "only the first so many frames (default: all)");
@@ -116,8 +117,9 @@ void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
   command.add_option("--crop", loader.crop, "side of the crops, pixels")->capture_default_str();
   command.add_option("--batch", loader.batch, "crops a step")->capture_default_str();
   command.add_option("--workers", loader.workers, "threads that prepare batches")->capture_default_str();
-  command.add_option("--samples", loader.samples, "LEAST MOST: samples that a batch draws (default: all)")
-      ->expected(2);
+  ld::repeated(command.add_option("--samples", loader.samples,
+                                  "LEAST,MOST: samples that a batch draws (default: all)"))
+      ->delimiter(',');
   command.add_option("--epochs", loader.epochs, "of each measurement")
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();
@@ -147,13 +149,15 @@ Commands declare(CLI::App& app, Options& options) {
     command->add_option(
         "--out", options.out,
         "folder for the tables (.md) and figures (.svg) (default: tables are printed, no more)");
-    command->add_option("--only", options.only,
-                        "only this row; may be repeated; leaves out the rest of it all (default: all rows)");
+    ld::repeated(command->add_option(
+        "--only", options.only,
+        "only this row; may be repeated; leaves out the rest of it all (default: all rows)"));
     command->add_option("--configs", options.sizes.configs, "folder of the networks' YAML files")
         ->capture_default_str();
   }
-  commands.network
-      ->add_option("--spp", options.spp, "numbers of samples, ascending, for cost and time by samples")
+  ld::repeated(
+      commands.network->add_option(
+          "--spp", options.spp, "numbers of samples, ascending, with commas, for cost and time by samples"))
       ->delimiter(',')
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();

@@ -25,11 +25,12 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   app.add_option("--data", options.data, "data set: a folder with manifest.json")->required();
-  app.add_option("--model", options.models,
-                 "NAME=FILE: weights, checkpoint folder or run folder; may be repeated (default: none)");
-  app.add_option(
+  ld::repeated(
+      app.add_option("--model", options.models,
+                     "NAME=FILE: weights, checkpoint folder or run folder; may be repeated (default: none)"));
+  ld::repeated(app.add_option(
       "--images", options.images,
-      "NAME=DIR: pictures of another denoiser, DIR/FRAME.exr (linear); may be repeated (default: none)");
+      "NAME=DIR: pictures of another denoiser, DIR/FRAME.exr (linear); may be repeated (default: none)"));
   app.add_option("--out", options.out, "folder for tables, pictures and report.html")->required();
   app.add_option("--split", options.split, "which frames: train, validation or test")->capture_default_str();
   app.add_option(

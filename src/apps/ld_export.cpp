@@ -45,9 +45,10 @@ int main(int argc, char** argv) {
                   "number format of the weights: f16 (half the size) or f32 (every bit) (default: f16 for "
                   "safetensors, f32 for onnx)")
       ->check(CLI::IsMember({"f16", "f32"}));
-  options.add_option(
+  ld::repeated(options.add_option(
       "--check-frame", frames,
-      "frames (.exr) to measure the differences on, besides three random pictures (default: none)");
+      "frame (.exr) to measure the differences on, besides three random pictures; may be repeated (default: "
+      "none)"));
   options.add_option(
       "--check-data", check_data,
       "also write those pictures and the network's output for them, as safetensors (default: nowhere)");
