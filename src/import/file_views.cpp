@@ -2,7 +2,6 @@
 
 #include <ImfMultiView.h>
 #include <ImfStandardAttributes.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -10,6 +9,11 @@
 #include "core/shown_text.h"
 
 namespace ld {
+namespace {
+
+constexpr size_t kMostViews = 256;  // each channel is compared with all of them
+
+}  // namespace
 
 FileViews::FileViews(const ExrReader& exr, const std::string& wanted) : exr_(exr) {
   bool in_parts = false;
@@ -25,15 +29,23 @@ FileViews::FileViews(const ExrReader& exr, const std::string& wanted) : exr_(exr
       // Parts of no view are the hero's; where the first is one of them the hero has no name.
       if ((part == 0 || !view_of(part).empty()) && std::count(all_.begin(), all_.end(), view_of(part)) == 0)
         all_.push_back(view_of(part));
+  if (all_.size() > kMostViews)
+    fail("{}: {} views; expected at most {}", exr.path(), all_.size(), kMostViews);
   if (!all_.empty()) chosen_ = all_.front();
   if (wanted.empty()) return;
   if (all_.empty())
     fail_usage("{}: no view '{}': the file says nothing of views; leave --view out", exr.path(),
                shown(wanted));
   if (std::count(all_.begin(), all_.end(), wanted) == 0)
-    fail_usage("{}: no view '{}'; the file has {}", exr.path(), shown(wanted),
-               shown(fmt::format("{}", fmt::join(all_, ", ")), 400));
+    fail_usage("{}: no view '{}'; the file has {}", exr.path(), shown(wanted), list());
   chosen_ = wanted;
+}
+
+std::string FileViews::list() const {
+  std::string text;
+  for (const std::string& view : all_)
+    text += (text.empty() ? "" : ", ") + (view.empty() ? std::string("one without a name") : view);
+  return shown(text, 400);
 }
 
 std::string FileViews::view_of(int part) const {

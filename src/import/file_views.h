@@ -17,10 +17,11 @@ namespace ld {
 class FileViews {
  public:
   /// The view `wanted`; the hero, which is the first one, where that is empty. Throws UsageError, with the
-  /// views that there are, for one that the file does not have.
+  /// views that there are, for one that the file does not have; Error for a file of more views than can be.
   FileViews(const ExrReader& exr, const std::string& wanted);
 
   const std::vector<std::string>& all() const { return all_; }  // the hero first; empty: the file has none
+  std::string list() const;                                     // "left, right", for people
   const std::string& chosen() const { return chosen_; }         // empty: the file has none
   bool is_hero() const { return all_.empty() || chosen_ == all_.front(); }
 

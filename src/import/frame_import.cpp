@@ -171,8 +171,8 @@ class FrameBuilder {
     mapping_.view = views.chosen();  // of all files, whichever is their own hero
     result_.view = views.chosen();
     if (views.all().size() > 1)
-      result_.view_text = fmt::format("view: {}, of {}; --view NAME takes another", views.chosen(),
-                                      fmt::join(views.all(), ", "));
+      result_.view_text =
+          fmt::format("view: {}, of {}; --view NAME takes another", views.chosen(), views.list());
     for (const SourceFeature& feature : sample.features) result_.taken.push_back(taken_text(feature));
     if (has_alpha_) result_.taken.push_back(taken_text(sample.alpha));
     result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all));

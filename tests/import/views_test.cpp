@@ -133,6 +133,23 @@ TEST_F(Views, UnknownViewsAreNamedWithThoseThatThereAre) {
   EXPECT_EQ(import_view({folder_ / "mono.exr"}, "").view, "");
 }
 
+TEST_F(Views, WhatNoWriterMeansIsStillReadInOneWay) {
+  // The first part says nothing: it is the hero, without a name.
+  write_exr_parts(folder_ / "late.exr", kWindow,
+                  {{"rgb", kWindow, colour("", 1)}, {"rgb.right", kWindow, colour("", 2), "right"}});
+  EXPECT_EQ(value(import_view({folder_ / "late.exr"}, "").frame, "radiance"), 1);
+  EXPECT_EQ(value(import_view({folder_ / "late.exr"}, "right").frame, "radiance"), 2);
+  EXPECT_ERROR(import_view({folder_ / "late.exr"}, "left"), "one without a name, right");
+  write_exr_parts(folder_ / "many.exr", kWindow, {{"rgba", kWindow, colour("", 1)}},
+                  std::vector<std::string>(300, "view"));
+  EXPECT_ERROR(import_view({folder_ / "many.exr"}, ""), "300 views");
+  // A part's own word counts more than a list for all parts.
+  write_exr_parts(folder_ / "both.exr", kWindow,
+                  {{"a", kWindow, colour("", 1), "left"}, {"b", kWindow, colour("", 2), "right"}},
+                  {"centre", "left"});
+  EXPECT_EQ(import_view({folder_ / "both.exr"}, "").view, "left");
+}
+
 TEST_F(Views, AReferenceMayHaveNoViews) {
   EXPECT_EQ(import_picture(one_part(), mapping_of("mitsuba", "right")).image.pixels[0], 2);
   write_exr_parts(folder_ / "mono.exr", kWindow, {{"rgba", kWindow, colour("", 3)}});
