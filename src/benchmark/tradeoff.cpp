@@ -24,7 +24,7 @@ double peak_of(const std::filesystem::path& folder, int threads) {
   const std::filesystem::path path = folder / "cost.json";
   const auto json = parse_json(read_file(path, 1 << 24), path.string());
   try {
-    const int found = json.at("threads");
+    const int64_t found = whole_number(json, "threads", path.string());
     if (found != threads)
       fail("{}: measured on {} threads, this run uses {}; run both on the same number (--threads)",
            path.string(), found, threads);

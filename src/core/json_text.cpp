@@ -75,4 +75,15 @@ json parse_json(const std::string& text, const std::string& name) {
   }
 }
 
+int64_t whole_number(const nlohmann::json& object, const char* key, const std::string& name) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  if (found == object.end()) fail("{}: \"{}\" is missing, expected a whole number", name, key);
+  const bool fits = found->is_number_unsigned() ? found->get<uint64_t>() <= uint64_t{INT64_MAX}
+                                                : found->is_number_integer();
+  if (!fits)
+    fail("{}: \"{}\" is {}, expected a whole number", name, key,
+         shown(found->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+  return found->get<int64_t>();
+}
+
 }  // namespace ld

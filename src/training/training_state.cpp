@@ -44,25 +44,25 @@ TrainingState state_from_json(const std::string& text, const std::string& name) 
         name, kVersion);
   try {
     TrainingState state;
-    state.step = json.at("step");
-    state.optimizer_steps = json.at("optimizer_steps");
-    state.skipped = json.at("skipped");
-    state.skipped_in_a_row = json.at("skipped_in_a_row");
+    state.step = whole_number(json, "step", name);
+    state.optimizer_steps = whole_number(json, "optimizer_steps", name);
+    state.skipped = whole_number(json, "skipped", name);
+    state.skipped_in_a_row = whole_number(json, "skipped_in_a_row", name);
     state.loss_sum = json.at("loss_sum");
-    state.loss_count = json.at("loss_count");
+    state.loss_count = whole_number(json, "loss_count", name);
     state.validation_due = json.at("validation_due");
     if (!json.at("best_score").is_null()) state.best_score = json.at("best_score");
-    state.best_step = json.at("best_step");
-    state.crops_per_step = json.at("crops_per_step");
+    state.best_step = whole_number(json, "best_step", name);
+    state.crops_per_step = whole_number(json, "crops_per_step", name);
     state.dataset = json.at("dataset");
     if (!json.contains("watch")) return state;  // of an earlier program: the watch begins there
-    state.rollbacks = json.at("rollbacks");
+    state.rollbacks = whole_number(json, "rollbacks", name);
     const nlohmann::json& watch = json.at("watch");
     state.watch.losses = watch.at("losses").get<std::vector<double>>();
     state.watch.medians = watch.at("medians").get<std::vector<double>>();
-    state.watch.raised = watch.at("raised");
-    state.watch.window_begin = watch.at("window_begin");
-    state.watch.calm_step = watch.at("calm_step");
+    state.watch.raised = whole_number(watch, "raised", name);
+    state.watch.window_begin = whole_number(watch, "window_begin", name);
+    state.watch.calm_step = whole_number(watch, "calm_step", name);
     return state;
   } catch (const nlohmann::json::exception& error) {
     fail("{}: not the state of a training run: {}", name, error.what());

@@ -18,7 +18,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   });
   ld::expect_no_more_than_an_error([&] {
     const std::string preset = ld::recognise_preset(ld::ExrReader(path));
-    ld::import_frame({path}, ld::read_mapping(preset, {}, {"normal.channels=[]", "depth.channels=[]"}), {}, true);
+    ld::import_frame({path}, ld::read_mapping(preset, {}, {"normal.channels=[]", "depth.channels=[]"}), {},
+                     true);
   });
   return 0;
 }

@@ -1,4 +1,5 @@
-// Weight files: the safetensors header, the metadata with the network's configuration, every byte of every tensor.
+// Weight files: the safetensors header, the metadata with the network's configuration, every byte of every
+// tensor.
 #include "tests/fuzz/fuzz_file.h"
 #include "weights/weight_file.h"
 

@@ -1,6 +1,7 @@
 // Schedules, tables and notes of a run: what needs no LibTorch.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -183,6 +184,10 @@ TEST(State, KeepsEveryBit) {
   EXPECT_ERROR(state_from_json("{\"step\": 5}", "state.json"), "begin a new run");
   EXPECT_ERROR(state_from_json("{\"version\": 2, \"step\": 5}", "state.json"), "optimizer_steps");
   EXPECT_ERROR(state_from_json("[]", "state.json"), "state.json");
+  for (const char* step : {"1e260", "1.5", "18446744073709551615", "\"5\"", "null"})
+    EXPECT_ERROR(state_from_json(fmt::format("{{\"version\": 2, \"step\": {}}}", step), "state.json"),
+                 fmt::format("state.json: \"step\" is {}, expected a whole number",
+                             nlohmann::json::parse(step).dump()));
 }
 
 TEST(State, OfAnEarlierProgramKnowsNoWatch) {
