@@ -41,7 +41,7 @@ models=()
 for variant in $variants; do models+=(--model "$variant=$out/runs/$variant"); done
 peer=()
 if out/peers/venv/bin/python -c 'import pyoidn' 2>/dev/null; then
-  out/peers/venv/bin/python scripts/peers/oidn_denoise.py --data "$data" --out "$out/oidn" >&2
+  out/peers/venv/bin/python scripts/peers/oidn_denoise.py --data "$data" --out "$out/oidn" --threads "$(nproc)" >&2
   peer=(--images "oidn=$out/oidn")
 fi
-"$bin/ld_bench" tradeoff --data "$data" "${models[@]}" "${peer[@]}" --out "$out" --json "$out/tradeoff.json"
+"$bin/ld_bench" tradeoff --threads "$(nproc)" --data "$data" "${models[@]}" "${peer[@]}" --out "$out" --json "$out/tradeoff.json"

@@ -56,6 +56,9 @@ class Runner:
     def look_like_project(self, folder):
         for name in COPIED:
             shutil.copytree(ROOT / name, folder / name)
+        for pattern, replacement in self.rules["replace"]["in_configs"]:
+            for config in (folder / "configs").iterdir():
+                config.write_text(re.sub(pattern, replacement, config.read_text()))
         for name in LINKED:
             (folder / name).symlink_to(ROOT / name)
         (folder / "build").symlink_to(known.BUILD)

@@ -89,7 +89,7 @@ class CommandsTest(unittest.TestCase):
     def test_small(self):
         runner = run_commands.Runner(RULES, ROOT, "")
         text = runner.small("build/bin/ld_render --recipe r.yaml --out o spp=8")
-        self.assertTrue(text.startswith("build/bin/ld_render --recipe r.yaml --out o spp=8 ") and "resolution=[16,16] spp=2" in text, text)
+        self.assertTrue(text.startswith("build/bin/ld_render --recipe r.yaml --out o spp=8 ") and "resolution=[16,16] spp=8" in text, text)
 
     def test_what_is_left_out_says_why(self):
         runner = run_commands.Runner(RULES, ROOT, "")
