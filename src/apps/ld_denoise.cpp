@@ -76,7 +76,7 @@ std::string recognised(const Options& o, const std::filesystem::path& first) {
   const ld::ExrReader exr(first);
   if (!ld::is_frame(exr)) return ld::recognise_preset(exr, o.view);
   if (!o.camera.empty() || !o.assignments.empty() || !o.view.empty() || o.allow_identical)
-    ld::fail_usage(
+    ld::fail_command_line(
         "--camera, --set, --view and --allow-identical go with renders of other programs, but {} is a frame",
         first.string());
   return {};
@@ -85,7 +85,7 @@ std::string recognised(const Options& o, const std::filesystem::path& first) {
 ld::RenderInput render_input(const Options& o, const std::filesystem::path& first) {
   ld::RenderInput render;
   render.allow_identical = o.allow_identical;
-  if (!o.preset.empty() && !o.mapping.empty()) ld::fail_usage("expected either --preset or --mapping");
+  if (!o.preset.empty() && !o.mapping.empty()) ld::fail_command_line("expected either --preset or --mapping");
   render.preset = o.preset.empty() && o.mapping.empty() ? recognised(o, first) : o.preset;
   if (render.preset.empty() && o.mapping.empty()) return render;
   render.mapping = ld::read_mapping(render.preset, o.mapping, o.assignments);
@@ -98,7 +98,8 @@ std::pair<int, int> pixel_of(const std::string& text) {
   int x = -1, y = -1;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%d,%d%c", &x, &y, &rest) != 2)
-    ld::fail_usage("--kernel-at '{}' is no pixel; expected X,Y, counted from the upper left one", text);
+    ld::fail_command_line("--kernel-at '{}' is no pixel; expected X,Y, counted from the upper left one",
+                          text);
   return {x, y};
 }
 
@@ -142,6 +143,18 @@ ld::DenoiseJob job_of(const Options& o) {
   return job;
 }
 
+void tell_what_is_done(const ld::DenoiseJob& job, const ld::DenoiseReport& report) {
+  if (job.tasks.size() == 1) {
+    spdlog::warn("stopped before {} was denoised: {} is not written", job.tasks[0].inputs[0].string(),
+                 job.tasks[0].output.string());
+    return;
+  }
+  spdlog::warn(
+      "stopped: {} of {} pictures are done{}, the others are not; --skip-existing does only what is left",
+      report.finished(), job.tasks.size(),
+      report.failed.empty() ? "" : fmt::format(", {} failed", report.failed.size()));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -166,6 +179,10 @@ int main(int argc, char** argv) {
     app.write_json(report.frames);
     if (report.skipped > 0)
       spdlog::info("{} of {} pictures were there already", report.skipped, job.tasks.size());
+    if (report.stopped) {
+      tell_what_is_done(job, report);
+      return;
+    }
     if (!report.failed.empty())
       ld::fail(
           "{} of {} frames failed, the first {}; the others are done, and --skip-existing does only what is "

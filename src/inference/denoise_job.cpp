@@ -183,7 +183,8 @@ DenoiseReport run_denoise_job(const DenoiseJob& job) {
   Run run(job);
   DenoiseReport report;
   for (const DenoiseTask& task : job.tasks) {
-    if (stop_requested()) break;
+    report.stopped = stop_requested();
+    if (report.stopped) break;
     if (job.skip_existing && fs::exists(task.output)) {
       ++report.skipped;
       run.finish_frame();
@@ -192,6 +193,7 @@ DenoiseReport run_denoise_job(const DenoiseJob& job) {
     try {
       report.frames.push_back(run.denoise(task));
     } catch (const Cancelled&) {
+      report.stopped = true;
       break;
     } catch (const UsageError&) {
       throw;  // it would be the same for every frame

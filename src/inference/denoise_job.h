@@ -35,6 +35,10 @@ struct DenoiseReport {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();  // an object for each that was tried
   int64_t skipped = 0;
   std::vector<std::string> failed;  // inputs of frames that could not be done, in sequences only
+  bool stopped = false;             // by a signal, before the last frame
+
+  /// Pictures that are there.
+  size_t finished() const { return frames.size() - failed.size() + static_cast<size_t>(skipped); }
 };
 
 /// Frame after frame, with progress; ends early, with whole files only, when a stop is requested

@@ -1,4 +1,4 @@
-// What ld_denoise does: what it keeps of its input, sequences, stopping, other renderers' files.
+// What ld_denoise does: what it keeps of its input, sequences, other renderers' files.
 #include <ImfChannelList.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
@@ -7,8 +7,6 @@
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
 #include <gtest/gtest.h>
-
-#include <thread>
 
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
@@ -223,29 +221,6 @@ TEST_F(DenoiseProgram, DoesTheOthersOfASequenceWhenAFrameIsMissing) {
   EXPECT_EQ(read_file(path("out.0001.exr")), "touched");
   EXPECT_EQ(read_image(path("out.0003.exr")).width, 12);
   fs::remove(path("in.0003.exr"));
-}
-
-TEST_F(DenoiseProgram, StopsBetweenWholeFiles) {
-  fs::create_directory(path("many"));
-  std::vector<std::string> arguments = {"--output", path("stopped")};
-  for (int i = 0; i < 400; ++i) {
-    arguments.push_back(path(fmt::format("many/{:03}.exr", i)));
-    fs::create_hard_link(path("in.0001.exr"), arguments.back());
-  }
-  arguments.insert(arguments.begin(), {"--model", path("layer.safetensors")});
-  RunningProgram program("ld_denoise", arguments);
-  for (int waited = 0; waited < 20000 && !fs::exists(path("stopped/000.exr")); ++waited)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  program.signal(SIGTERM);
-  EXPECT_EQ(program.wait(), 143) << program.output();
-  size_t written = 0;
-  for (const auto& entry : fs::directory_iterator(path("stopped"))) {
-    EXPECT_EQ(entry.path().extension(), ".exr") << entry.path() << " was left behind";
-    EXPECT_EQ(read_file(entry.path()), read_file(path("stopped/000.exr")));
-    ++written;
-  }
-  EXPECT_GE(written, 1u);
-  EXPECT_LT(written, 400u);
 }
 
 TEST_F(DenoiseProgram, TakesRendersThroughAPreset) {
