@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
       "  ld_export --model out/run --format onnx --dtype f16 --out denoiser.onnx");
 
   return app.run(argc, argv, [&] {
-    if (model.empty() == untrained.empty()) ld::fail_usage("give --model or --untrained");
+    if (model.empty() == untrained.empty()) ld::fail_command_line("give --model or --untrained");
     std::vector<std::filesystem::path> inputs_read = frames;
     inputs_read.insert(inputs_read.end(), {model, untrained});
     if (!model.empty()) inputs_read.push_back(ld::resolve_model(model));

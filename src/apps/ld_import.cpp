@@ -1,8 +1,5 @@
-// Renders of other programs to training frames:
-//   ld_import --preset cycles --camera FILE --reference REF.exr --out DATA --name NAME --split train
-//   SAMPLE.exr ... ld_import --preset cycles --camera FILE --frame FRAME.exr SAMPLE.exr ... ld_import
-//   --from-hdf5 SAMPLES.h5 --reference REFERENCES.h5 --out DATA --name NAME --split train ld_import --to-hdf5
-//   SAMPLES.h5 --reference REFERENCES.h5 --out DATA --split train
+// Renders of other programs to training frames, or to a frame alone, and HDF5 in and out (docs/import.md):
+// `ld_import --preset NAME --reference REF.exr --out DATA --name NAME --split train SAMPLE.exr ...`.
 
 #include <fmt/ranges.h>
 
@@ -31,20 +28,24 @@ void declare(CLI::App& app, Options& o) {
                  "OpenEXR files, one sample a pixel each unless the mapping says otherwise");
   app.add_option("--preset", o.preset,
                  fmt::format("who rendered them: {}", fmt::join(ld::preset_names(), ", ")));
-  app.add_option("--mapping", o.mapping, "YAML file instead of a preset, see docs/import.md");
+  app.add_option("--mapping", o.mapping, "YAML file instead of a preset (docs/import.md)");
   ld::repeated(app.add_option("--set", o.assignments,
-                              "key.sub=value, on top of the preset or mapping; may be repeated"));
+                              "key.sub=value, on top of the preset or mapping; may be repeated; ld_inspect "
+                              "--keys mapping lists the keys"));
   app.add_flag("--print-mapping", o.print_mapping,
                "print the preset's YAML, to start one's own from, and stop");
-  app.add_option("--camera", o.camera, "YAML file of the camera, see docs/import.md");
+  app.add_option("--camera", o.camera,
+                 "YAML file of the camera (docs/import.md; default: what the files say)");
   app.add_option("--view", o.view,
                  "of files with several views, such as left and right (default: the first)");
   app.add_option("--reference", o.reference, "the converged picture, in the same layout");
   app.add_option("--out", o.place.folder, "folder of the data set to add to");
   app.add_option("--name", o.place.name, "name of the frame in the data set");
-  app.add_option("--split", o.place.split, "train, validation or test");
-  app.add_option("--sequence", o.place.sequence, "number of the sequence that the frame belongs to");
-  app.add_option("--position", o.place.position, "its position there, from 0");
+  app.add_option("--split", o.place.split, "train, validation or test")
+      ->check(CLI::IsMember({"train", "validation", "test"}));
+  app.add_option("--sequence", o.place.sequence,
+                 "number of the sequence that the frame belongs to (default: none)");
+  app.add_option("--position", o.place.position, "its position there, from 0 (default: none)");
   app.add_option("--frame", o.frame, "write the frame alone to this file, without reference and manifest");
   app.add_option("--from-hdf5", o.from_hdf5,
                  "add the frames of this HDF5 file of samples, and of --reference, to the data set --out");
@@ -53,7 +54,8 @@ void declare(CLI::App& app, Options& o) {
       "write a split of the data set --out to this HDF5 file of samples, and its references to --reference");
   app.add_option("--hdf5-depth", o.depth,
                  "what depths of other programs' HDF5 files are: linear, or d / (d + 1)")
-      ->check(CLI::IsMember({"linear", "ratio"}));
+      ->check(CLI::IsMember({"linear", "ratio"}))
+      ->capture_default_str();
   app.add_flag("--allow-identical", o.allow_identical, "let samples pass that are the same in every pixel");
 }
 
@@ -63,33 +65,34 @@ bool is_hdf5(const Options& o) {
 
 void need_split(const Options& o) {
   if (o.frame.empty() && o.place.split.empty())
-    ld::fail_usage("--out needs --split: train, validation or test");
+    ld::fail_command_line("--out needs --split: train, validation or test");
 }
 
 void check(const Options& o) {
   if (is_hdf5(o)) {
     if (!o.from_hdf5.empty() && !o.to_hdf5.empty())
-      ld::fail_usage("expected either --from-hdf5 or --to-hdf5");
+      ld::fail_command_line("expected either --from-hdf5 or --to-hdf5");
     if (o.place.folder.empty() || o.reference.empty() || (o.place.name.empty() && o.to_hdf5.empty()))
-      ld::fail_usage(
+      ld::fail_command_line(
           "HDF5 needs --out, --reference and, to read it, --name, which the names of frames begin with");
     if (!o.files.empty() || !o.preset.empty() || !o.mapping.empty() || !o.frame.empty() || !o.view.empty())
-      ld::fail_usage(
+      ld::fail_command_line(
           "HDF5 files have one layout: no preset, mapping, --view, --frame or other files go with them");
     need_split(o);
     return;
   }
-  if (o.preset.empty() == o.mapping.empty()) ld::fail_usage("expected either --preset or --mapping");
+  if (o.preset.empty() == o.mapping.empty()) ld::fail_command_line("expected either --preset or --mapping");
   if (o.print_mapping && o.preset.empty())
-    ld::fail_usage("--print-mapping prints a preset; name it with --preset");
+    ld::fail_command_line("--print-mapping prints a preset; name it with --preset");
   if (o.print_mapping) return;
   if (o.frame.empty() == o.place.folder.empty())
-    ld::fail_usage("expected either --out for a data set or --frame for a frame alone");
+    ld::fail_command_line("expected either --out for a data set or --frame for a frame alone");
   if (o.frame.empty() && (o.place.name.empty() || o.reference.empty()))
-    ld::fail_usage("--out needs --name and --reference; a frame without a reference is written with --frame");
+    ld::fail_command_line(
+        "--out needs --name and --reference; a frame without a reference is written with --frame");
   need_split(o);
   if (!o.frame.empty() && !o.reference.empty())
-    ld::fail_usage("--frame takes no --reference; a pair belongs into a data set: --out and --name");
+    ld::fail_command_line("--frame takes no --reference; a pair belongs into a data set: --out and --name");
 }
 
 std::vector<std::filesystem::path> outputs_of(const Options& o) {
@@ -115,6 +118,23 @@ ld::Hdf5Report exchange_hdf5(const Options& o) {
                                 o.depth == "ratio" ? ld::Hdf5Depth::ratio : ld::Hdf5Depth::linear);
 }
 
+void report(const Options& o, const ld::Hdf5Report& done) {
+  if (done.stopped && !o.to_hdf5.empty()) {
+    spdlog::warn("stopped after {} frames: {} and {} are not written; start the same command again",
+                 done.frames, o.to_hdf5, o.reference);
+    return;
+  }
+  spdlog::info("{} frames; left out {}; {} samples masked for NaN or infinity", done.frames,
+               done.left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(done.left_out, ", ")),
+               done.faulty_samples);
+  if (done.clamped > 0)
+    spdlog::info("{} radiance channels of the samples were beyond half's range: darkened with their colours",
+                 done.clamped);
+  if (done.stopped)
+    spdlog::warn("stopped: those {} frames are in {}, the others are not; start the same command again",
+                 done.frames, o.place.folder.string());
+}
+
 void report(const ld::ImportedFrame& imported, const std::string& where) {
   ld::warn_about_faults(where, imported.faults);
   for (const std::string& note : imported.notes) spdlog::warn("{}: {}", where, note);
@@ -135,16 +155,23 @@ int main(int argc, char** argv) {
   Options options;
   ld::Application app("ld_import", "Turns renders of other programs into training frames.");
   declare(app.options(), options);
+  app.options().footer(
+      "Examples:\n"
+      "  ld_import --preset cycles --camera camera.yaml --reference reference.exr --out my_data --name "
+      "shot_0001 \\\n"
+      "            --split train sample_*.exr\n"
+      "  ld_import --preset mitsuba --print-mapping");
   return app.run(argc, argv, [&] {
     check(options);
     app.refuse_overwriting(outputs_of(options), inputs_of(options));
     if (is_hdf5(options)) {
       const ld::Hdf5Report done = exchange_hdf5(options);
-      spdlog::info("{} frames; left out {}; {} samples masked for NaN or infinity", done.frames,
-                   done.left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(done.left_out, ", ")),
-                   done.faulty_samples);
-      app.write_json(
-          {{"frames", done.frames}, {"left_out", done.left_out}, {"masked_samples", done.faulty_samples}});
+      report(options, done);
+      if (done.stopped && !options.to_hdf5.empty()) return;
+      app.write_json({{"frames", done.frames},
+                      {"left_out", done.left_out},
+                      {"masked_samples", done.faulty_samples},
+                      {"clamped", done.clamped}});
       return;
     }
     if (options.print_mapping) {

@@ -9,6 +9,8 @@
 #include "apps/inspect/inspect.h"
 #include "apps/inspect/keys.h"
 #include "core/error.h"
+#include "core/log.h"
+#include "core/signals.h"
 
 int main(int argc, char** argv) {
   std::string path, kind;
@@ -28,13 +30,13 @@ int main(int argc, char** argv) {
   app.options()
       .add_option("--frames", options.frames,
                   "of a data set, examine the samples of so many frames only, spread over it (default: all)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1'000'000));
   app.options().footer(
       "Examples:\n"
       "  ld_inspect out/quickstart/data\n"
       "  ld_inspect --keys train");
   return app.run(argc, argv, [&] {
-    if (path.empty() == kind.empty()) ld::fail_usage("expected a path or --keys KIND, one of them");
+    if (path.empty() == kind.empty()) ld::fail_command_line("expected a path or --keys KIND, one of them");
     if (!kind.empty()) {
       const std::vector<ld::ConfigKey> keys = ld::keys_of(kind);
       std::cout << ld::keys_text(keys) << std::flush;
@@ -44,6 +46,10 @@ int main(int argc, char** argv) {
     app.refuse_overwriting({}, {path});
     options.threads = app.threads();
     const ld::Report report = ld::inspect(path, options);
+    if (ld::stop_requested()) {
+      spdlog::warn("stopped before all of {} was read: no report, because half of one would mislead", path);
+      return;
+    }
     std::cout << ld::report_text(report) << std::flush;
     app.write_json(ld::report_json(report));
     if (!report.problems.empty())

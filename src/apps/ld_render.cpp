@@ -73,15 +73,15 @@ int main(int argc, char** argv) {
 
   return app.run(argc, argv, [&] {
     if (recipe_path.empty() == scene.empty())
-      ld::fail_usage("expected --recipe FILE or --scene FILE, one of them");
+      ld::fail_command_line("expected --recipe FILE or --scene FILE, one of them");
     app.refuse_overwriting({preview}, {recipe_path, scene, probe});
     if (scene.empty() && (views != 0 || !probe.empty()))
-      ld::fail_usage("--views and --probe go with --scene; a recipe has frames and scene_file.probe");
+      ld::fail_command_line("--views and --probe go with --scene; a recipe has frames and scene_file.probe");
     const ld::Recipe recipe = scene.empty() ? ld::read_recipe(recipe_path, overrides, app.seed())
                                             : ld::scene_recipe(scene, probe, views, overrides, app.seed());
     const auto [begin, end] = ld::parse_frame_range(range, recipe.frame_count());
     if (folder.empty() == preview.empty())
-      ld::fail_usage("expected --out DIR for a data set, or --preview FILE.png for a contact sheet");
+      ld::fail_command_line("expected --out DIR for a data set, or --preview FILE.png for a contact sheet");
     if (!preview.empty()) {
       report_sheet(ld::render_contact_sheet(recipe, begin, end, columns, preview_spp, preview, app.threads()),
                    preview, app);

@@ -34,8 +34,8 @@ int main(int argc, char** argv) {
     auto config = ld::config_from_tree<ld::TrainConfig>(tree);
     const auto sets_seed = [](const std::string& assignment) { return assignment.rfind("seed=", 0) == 0; };
     if (app.seed() && std::any_of(overrides.begin(), overrides.end(), sets_seed))
-      ld::fail_usage("--seed {} and {} both say the seed; give one of them", *app.seed(),
-                     *std::find_if(overrides.begin(), overrides.end(), sets_seed));
+      ld::fail_command_line("--seed {} and {} both say the seed; give one of them", *app.seed(),
+                            *std::find_if(overrides.begin(), overrides.end(), sets_seed));
     if (app.seed()) config.seed = *app.seed();
 
     ld::configure_runtime(app.threads());

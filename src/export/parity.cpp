@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/progress.h"
 #include "core/random.h"
 #include "dataset/network_input.h"
 #include "frame/frame_file.h"
@@ -63,9 +64,11 @@ std::vector<NetworkInput> parity_inputs(const NetworkConfig& config,
   std::vector<NetworkInput> inputs = {random_picture(config, 0, 1, 4, 37, 53),
                                       random_picture(config, 1, 2, 3, 16, 16),
                                       random_picture(config, 2, 1, 8, 48, 64)};
+  Progress progress("frames", static_cast<int64_t>(frames.size()));
   for (const std::filesystem::path& path : frames) {
     Faults faults;
     inputs.push_back(make_network_input({read_frame(path, config.features, faults)}, config.features));
+    progress.advance();
   }
   return inputs;
 }
@@ -88,7 +91,11 @@ std::shared_ptr<Network> rounded(const Network& network, DType type) {
 std::vector<Tensor> outputs(Network& network, const std::vector<NetworkInput>& inputs) {
   const torch::InferenceMode no_graph;
   std::vector<Tensor> pictures;
-  for (const NetworkInput& input : inputs) pictures.push_back(network.forward(input));
+  Progress progress("pictures to compare", static_cast<int64_t>(inputs.size()));
+  for (const NetworkInput& input : inputs) {
+    pictures.push_back(network.forward(input));
+    progress.advance();
+  }
   return pictures;
 }
 

@@ -232,15 +232,23 @@ TEST(Inspect, ACheckpointAndARun) {
 TEST(Inspect, Configs) {
   const TemporaryFolder folder;
   const fs::path path = folder / "config.yaml";
-  write_file_atomically(path, tiny_network_yaml() + "loss: l2\n");
+  write_file_atomically(path, tiny_network_yaml() + "loss: relmse\n");
   const Report report = inspect(path, {});
   EXPECT_EQ(report.kind, "training config");
-  EXPECT_EQ(report.facts["loss"], "l2");
+  EXPECT_EQ(report.facts["loss"], "relmse");
   EXPECT_TRUE(report.problems.empty());
   write_file_atomically(path, "epochs: 3\nnetwrk: {layers: 2}\n");
   expect_problem(path, "config.yaml:2: unknown key 'netwrk'; did you mean 'network'?");
   write_file_atomically(path, "network: {features: [radiance, hue]}\n");
   expect_problem(path, "unknown feature 'hue'");
+  write_file_atomically(path, "epochs: 3\nloss: foo\n");
+  expect_problem(path, "config.yaml:2: loss: expected one of l1, l2_tonemapped");
+  write_file_atomically(path, "network: {kernel_size: 8}\n");
+  expect_problem(path, "network.kernel_size is 8, expected an odd number");
+  write_file_atomically(path, "network: {features: auto, name: pixel_splat, layers: 3}\n");
+  expect_problem(path, "network 'pixel_splat' has no layers");
+  write_file_atomically(path, "network: {features: auto, demodulation: albedo, optional: [depth]}\n");
+  EXPECT_TRUE(inspect(path, {}).problems.empty()) << report_text(inspect(path, {}));
   write_file_atomically(path, "epochs: [1\n");
   expect_problem(path, "not valid YAML");
   write_file_atomically(path, "colour: blue\n");
@@ -291,7 +299,7 @@ TEST(Inspect, TheProgramPrintsWritesJsonAndExitsByWhatItFound) {
   report = parse_json(read_file(json), json);
   EXPECT_EQ(report["problems"].size(), 1u);
   expect_failure(run_program("ld_inspect", {data + "/none"}), 1, {"no such path"});
-  expect_failure(run_program("ld_inspect", {}), 2, {"path is required"});
+  expect_failure(run_program("ld_inspect", {}), 2, {"expected a path or --keys KIND", "--help"});
 }
 
 }  // namespace
