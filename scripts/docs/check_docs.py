@@ -17,7 +17,7 @@ from header_comments import ROOT
 def run_all(names, rules, options):
     with tempfile.TemporaryDirectory() as folder:
         runner = run_commands.Runner(rules, Path(folder), "brief" if options.brief else "all" if options.all else "")
-        complaint = runner.make_given()
+        complaint = runner.make_given(names)
         if complaint:
             sys.exit(f"check_docs: what pages take as given cannot be made: {complaint}")
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:

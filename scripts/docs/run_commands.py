@@ -43,15 +43,23 @@ class Runner:
         except subprocess.TimeoutExpired:
             return subprocess.CompletedProcess(text, 1, f"did not end within {TIMEOUT} s")
 
-    def make_given(self):
-        """What pages take as given, made once by the programs themselves. Returns the complaint of the step that failed."""
+    def make_given(self, names):
+        """What these pages take as given, made once by the programs themselves. Returns the complaint of the step that failed."""
         self.place = self.folder / "given"
         self.look_like_project(self.place)
-        for step in self.rules["make_given"]["steps"]:
-            done = self.run(self.small(step), self.place)
-            if done.returncode != 0:
-                return f"{step}: {done.stdout.strip()[-400:]}"
-        return ""
+        if self.extent == "brief":
+            names = [name for name in names if name in self.rules["brief"]["pages"]]
+        wanted = {source for name in names for source in self.rules["page"].get(name, {}).get("given", {}).values()}
+        return next(filter(None, (self.make(source) for source in sorted(wanted))), "")
+
+    def make(self, name):
+        step = self.rules["make"].get(name)
+        if step is None or (self.place / name).exists():
+            return ""
+        if complaint := self.make(step["of"]) if "of" in step else "":
+            return complaint
+        done = self.run(self.small(step["run"]), self.place)
+        return f"{step['run']}: {done.stdout.strip()[-400:]}" if done.returncode else ""
 
     def look_like_project(self, folder):
         for name in COPIED:
