@@ -60,7 +60,7 @@ std::optional<std::string> FileViews::name_of(int part, const std::string& chann
 }
 
 std::string FileViews::part_name(int part) const {
-  const std::string name = exr_.part_name(part);
+  std::string name = exr_.part_name(part);
   if (chosen_.empty() || name.size() < chosen_.size() + 2) return name;
   const size_t rest = name.size() - chosen_.size() - 1;
   const auto separates = [&](size_t at) { return name[at] == '.' || name[at] == '-' || name[at] == '_'; };
@@ -78,7 +78,7 @@ std::optional<ViewCamera> FileViews::camera() const {
   if (in_names_ && !is_hero()) return std::nullopt;
   for (int part = 0; part < exr_.parts(); ++part) {
     if (!name_of(part, "")) continue;
-    if (const std::optional<ViewCamera> camera = camera_of(exr_.header(part), exr_.path())) return camera;
+    if (std::optional<ViewCamera> camera = camera_of(exr_.header(part), exr_.path())) return camera;
   }
   return std::nullopt;
 }

@@ -174,7 +174,7 @@ class FrameBuilder {
       result_.view_text =
           fmt::format("view: {}, of {}; --view NAME takes another", views.chosen(), views.list());
     for (const SourceFeature& feature : sample.features) result_.taken.push_back(taken_text(feature));
-    if (has_alpha_) result_.taken.push_back(taken_text(sample.alpha));
+    if (sample.alpha.mapping != nullptr) result_.taken.push_back(taken_text(sample.alpha));
     result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all));
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
