@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# How often short trainings collapse, by network, loss, rate and seed (docs/stability.md):
+# How often short trainings collapse, by network, loss, rate and seed (docs/training.md#collapses):
 #
 #   scripts/collapse_study.sh DATA OUT
 #
