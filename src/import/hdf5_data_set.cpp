@@ -227,6 +227,8 @@ Hdf5Report data_set_to_hdf5(const fs::path& folder, const std::string& split, co
   std::map<std::string, size_t> held;
   const FrameHeader first = read_frame_header(frame_path(folder, entries[0].name));
   for (const ManifestFrame& entry : entries) {
+    report.stopped = stop_requested();
+    if (report.stopped) return report;
     const fs::path path = frame_path(folder, entry.name);
     const FrameHeader header = read_frame_header(path);
     check_like(header, first, path.string());

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "core/file_io.h"
 #include "frame/frame_file.h"
@@ -12,6 +13,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/exr_parts.h"
 #include "tests/support/random_frame.h"
+#include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace ld {
@@ -158,6 +160,33 @@ TEST(Hdf5, ColoursBeyondHalfFloatsKeepTheirHue) {
   const Frame after = read_back(folder / "back", 0).frame;
   EXPECT_EQ(after.valid_plane(0)[0], 1);
   for (int c = 0; c < 3; ++c) EXPECT_EQ(after.plane(0, c)[0], 65504.0F / static_cast<float>(1 << c));
+}
+
+TEST(Hdf5, StoppedItLeavesNeitherFile) {
+  const TemporaryFolder folder;
+  write_pair(folder);
+  Manifest many;
+  for (int i = 0; i < 400; ++i) {
+    ManifestFrame& entry = many.frames.emplace_back();
+    entry.name = fmt::format("many_{}", i);
+    entry.split = "validation";
+    fs::create_hard_link(frame_path(folder / "data", "frame_0"), frame_path(folder / "data", entry.name));
+    fs::create_hard_link(reference_path(folder / "data", "frame_0"),
+                         reference_path(folder / "data", entry.name));
+  }
+  add_to_manifest(folder / "data", many);
+  fs::create_directory(folder / "out");
+  const std::string samples = (folder / "out/samples.h5").string();
+  RunningProgram program(
+      "ld_import", {"--to-hdf5", samples, "--reference", (folder / "out/references.h5").string(), "--out",
+                    (folder / "data").string(), "--split", "validation"});
+  for (int waited = 0; waited < 60000 && fs::is_empty(folder / "out"); ++waited)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait(), 130) << program.output();
+  EXPECT_NE(program.output().find(samples + " and "), std::string::npos) << program.output();
+  EXPECT_NE(program.output().find("are not written"), std::string::npos) << program.output();
+  EXPECT_TRUE(fs::is_empty(folder / "out"));
 }
 
 TEST(Hdf5, WhatIsMissingIsLeftOut) {
