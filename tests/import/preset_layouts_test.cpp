@@ -51,8 +51,7 @@ class PresetLayouts : public ::testing::Test {
 TEST_F(PresetLayouts, KarmaInWorldSpace) {
   const Values albedo = xyz("albedo", "RGB", 0.25F, 0.5F, 1.5F);
   const Values normal = xyz("N", "xyz", 0.8F, 0, -0.6F);
-  for (const Values& depth :
-       {Values{{"hitPz", 5}}, Values{{"depth.Z", 5}}, Values{{"depth", 5}}, xyz("P", "xyz", -4, 0, 10)}) {
+  for (const Values& depth : {Values{{"hitPz", 5}}, Values{{"hitPz.z", 5}}, xyz("P", "xyz", -4, 0, 10)}) {
     const Frame frame = import_as("karma", {kPicture, albedo, normal, depth});
     expect(frame, "normal", {0.6F, 0, 0.8F});
     expect(frame, "depth", {5});
@@ -71,21 +70,23 @@ TEST_F(PresetLayouts, RenderManInWorldSpace) {
 }
 
 TEST_F(PresetLayouts, VRayInCameraSpace) {
-  for (const auto& [normals, colours] :
-       {std::pair{std::string("VRayNormals"), std::string("VRayDiffuseFilter")},
-        {std::string("normals"), std::string("VRayDiffuseFilter")}}) {
-    const Frame frame = import_as(
-        "vray", {kPicture, xyz(normals, "XYZ", 0.6F, 0, 0.8F), Values{{"Z", 5}},
-                 xyz(colours, "RGB", 0.25F, 0.5F, 1.5F), xyz("VRayReflectionFilter", "RGB", 0.125F, 0, 0)});
+  for (const char* suffixes : {"XYZ", "RGB"}) {
+    const Frame frame =
+        import_as("vray", {kPicture, xyz("VRayNormals", suffixes, 0.6F, 0, 0.8F), Values{{"Z", 5}},
+                           xyz("VRayDiffuseFilter", "RGB", 0.25F, 0.5F, 1.5F),
+                           xyz("VRayReflectionFilter", "RGB", 0.125F, 0, 0)});
     expect(frame, "normal", {0.6F, 0, 0.8F});
     expect(frame, "depth", {5});
     expect(frame, "albedo", {0.25F, 0.5F, 1});
     expect(frame, "specular", {0.125F, 0, 0});
   }
-  const Frame nuke =
-      import_as("vray", {kPicture, xyz("normals", "XYZ", 0.6F, 0, 0.8F),
-                         Values{{"diffuse.red", 0.25F}, {"diffuse.green", 0.5F}, {"diffuse.blue", 1}}});
-  expect(nuke, "albedo", {0.25F, 0.5F, 1});
+}
+
+// By these names others write diffuse light, and depths and normals of every kind.
+TEST_F(PresetLayouts, CommonNamesAreNobodys) {
+  const Frame frame = import_as("mitsuba", {kPicture, xyz("normals", "XYZ", 0, 0, 1), Values{{"Z", 5}},
+                                            Values{{"depth.Z", 5}, {"diffuse.red", 1}}});
+  EXPECT_EQ(frame.features, std::vector<std::string>{"radiance"});
 }
 
 TEST_F(PresetLayouts, ArnoldInWorldSpace) {
