@@ -189,10 +189,9 @@ Hdf5Report data_set_from_hdf5(const fs::path& samples, const fs::path& reference
       scales[i] = values[0] > 0 ? values[0] : 1;
     }
   }
-  if (own) depth = Hdf5Depth::ratio;
-
   std::optional<OpenGroup> scene_depth;
   if (own && file.has(hdf5_scene_depth().name)) scene_depth = open_scene_depth(file, size);
+  if (own) depth = scene_depth ? Hdf5Depth::scene : Hdf5Depth::ratio;
 
   Progress progress("frames", static_cast<int64_t>(size[0]));
   for (hsize_t i = 0; i < size[0]; ++i) {
@@ -204,13 +203,13 @@ Hdf5Report data_set_from_hdf5(const fs::path& samples, const fs::path& reference
       for (const std::string& feature : features_of(*group.layout)) frame.features.push_back(feature);
       group.read(i, frame, values);
     }
+    if (scene_depth) scene_depth->read(i, frame, values);
     const Faults faults = sanitise(frame);
     report.faulty_samples += faults.not_finite;
     frame_from_hdf5_units(frame, depth, scales[i]);
-    if (scene_depth) scene_depth->read(i, frame, values);
     frame.info.generator = "HDF5 file " + samples.filename().string();
     frame.info.frame = static_cast<int64_t>(i);
-    frame.info.depth_scale = depth == Hdf5Depth::ratio ? scales[i] : median_depth(frame);
+    frame.info.depth_scale = depth == Hdf5Depth::linear ? median_depth(frame) : scales[i];
     ImportedPicture picture{Image(frame.width, frame.height, 3), {}};
     reference.read_frame(i, picture.image.pixels);
     add_to_data_set({folder, fmt::format("{}_{:06}", name, i), split}, frame, picture);

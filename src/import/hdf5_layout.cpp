@@ -52,7 +52,7 @@ const Hdf5Group& hdf5_scene_depth() {
 
 void frame_from_hdf5_units(Frame& frame, Hdf5Depth depth, float depth_scale) {
   scale_motion(frame, 0.5F * static_cast<float>(frame.width), -0.5F * static_cast<float>(frame.height));
-  if (!frame.holds("depth")) return;
+  if (!frame.holds("depth") || depth == Hdf5Depth::scene) return;
   if (depth == Hdf5Depth::ratio) {
     for_each_valid(frame, kDepthOffset, [&](float z) {
       return z >= 1 ? kEscapedDepth : depth_scale * std::max(z, 0.0F) / (1 - z);

@@ -30,8 +30,8 @@ const Hdf5Group& hdf5_scene_depth();
 
 /// How the channel of depths is meant. `ratio`: d / (d + s), s the frame's depth scale, 1 where the ray
 /// escaped (what this project writes, with s in the data set `depth_scale`); `linear`: as it stands, where
-/// normals are zero the ray escaped.
-enum class Hdf5Depth { ratio, linear };
+/// normals are zero the ray escaped; `scene`: as frames have them.
+enum class Hdf5Depth { ratio, linear, scene };
 
 /// From and to the units of the file, for all channels of one frame: NDC (+-1 across the picture, +y up) to
 /// pixels (+y down) and depths. `features` are those that the frame holds.
