@@ -244,9 +244,15 @@ GltfFile read_gltf(const std::filesystem::path& path) {
     const Item probe = scene["extras"]["ld"]["probe"];
     if (probe.there()) file.probe = read_probe(probe, path.parent_path());
   }
+  // Bones move nothing here, and Assimp ends the program at skins that have no matrices of their own, which
+  // glTF allows.
+  root.erase("skins");
   if (root.contains("nodes"))
     for (json& node : root["nodes"])
-      if (node.is_object()) node.erase("name");
+      if (node.is_object()) {
+        node.erase("name");
+        node.erase("skin");
+      }
   for (size_t i = 0; i < materials.size(); ++i)
     root["materials"][i]["name"] = fmt::format("materials[{}]", i);
   file.bytes = rebuild(bytes, root, name);

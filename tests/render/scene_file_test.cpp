@@ -281,6 +281,13 @@ TEST_F(SceneFileTest, BrokenFilesGiveOneClearLine) {
   EXPECT_ERROR(scene(), "gone.png is not there");
 }
 
+TEST_F(SceneFileTest, SkinsWithoutMatricesAreReadAsIfTheyWereNotThere) {
+  const size_t triangles = scene().objects[0].mesh.triangles.size();
+  gltf.root["skins"] = {{{"joints", {0}}}};
+  gltf.root["nodes"][0]["skin"] = 0;
+  EXPECT_EQ(scene().objects[0].mesh.triangles.size(), triangles);
+}
+
 /// Every prefix of a good file, and every file with a stretch of it zeroed: an Error or a scene, nothing
 /// else.
 TEST_F(SceneFileTest, DamagedBytesNeverCrash) {
