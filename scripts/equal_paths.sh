@@ -10,11 +10,11 @@
 #   BUDGETS     in frames of 4096-sample references (default "1 2 4")
 #   REFERENCES  samples of the references (default "16 128 4096")
 #   LOSSES      default "smape relative_l2"
-#   STEPS       of each training (default 600)
+#   STEPS       of each training, one crop each, because the smallest set has one frame (default 2400)
 #   JOBS        trainings at a time, one thread each (default 1)
 #   BIN         default build/bin
 . "$(dirname "$0")/studies.sh"
-steps=${STEPS:-600}
+steps=${STEPS:-2400}
 budgets=${BUDGETS:-1 2 4} references=${REFERENCES:-16 128 4096} losses=${LOSSES:-smape relative_l2}
 frames() { echo $(($1 * (8 + 4096) / (8 + $2))); } # BUDGET REFERENCE
 
@@ -41,7 +41,7 @@ models=()
 for reference in $references; do
   for budget in $budgets; do
     for loss in $losses; do
-      train "${reference}_${budget}_$loss" --config configs/quick.yaml "data.path=$out/paths_${reference}_$budget" "loss=$loss" "steps=$steps"
+      train "${reference}_${budget}_$loss" --config configs/quick.yaml "data.path=$out/paths_${reference}_$budget" data.batch=1 "loss=$loss" "steps=$steps"
       models+=(--model "${reference}_${budget}_$loss=$out/runs/${reference}_${budget}_$loss")
     done
   done
