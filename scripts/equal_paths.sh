@@ -5,7 +5,7 @@
 #   scripts/equal_paths.sh DATA OUT
 #
 # DATA is a data set with a test split for the scores (scripts/quickstart.sh renders one); OUT receives the sets, runs/ and equal_paths.md.
-# The scenes are those of data/recipes/quick.yaml with another seed, 64x64 pixels, 8 samples and the reference's a pixel. Safe to interrupt
+# Every training runs to its end, whatever becomes of it. The scenes are those of data/recipes/quick.yaml with another seed, 64x64 pixels, 8 samples and the reference's a pixel. Safe to interrupt
 # and run again. Environment:
 #   BUDGETS     in frames of 4096-sample references (default "1 2 4")
 #   REFERENCES  samples of the references (default "16 128 4096")
@@ -41,7 +41,7 @@ models=()
 for reference in $references; do
   for budget in $budgets; do
     for loss in $losses; do
-      train "${reference}_${budget}_$loss" --config configs/quick.yaml "data.path=$out/paths_${reference}_$budget" data.batch=1 "loss=$loss" "steps=$steps"
+      train "${reference}_${budget}_$loss" --config configs/quick.yaml "data.path=$out/paths_${reference}_$budget" data.batch=1 "loss=$loss" "steps=$steps" watch.enabled=false
       models+=(--model "${reference}_${budget}_$loss=$out/runs/${reference}_${budget}_$loss")
     done
   done
