@@ -62,7 +62,15 @@ int Application::run(int argc, char** argv, const std::function<void()>& body) {
 
 void Application::refuse_overwriting(std::vector<std::filesystem::path> outputs,
                                      const std::vector<std::filesystem::path>& inputs) const {
-  outputs.emplace_back(json_path_);
+  const std::filesystem::path json = json_path_;
+  // A folder that is read is read whole: its frames, pictures and manifest are inputs, too.
+  if (std::filesystem::exists(json) && (json.extension() == ".exr" || json.filename() == "manifest.json"))
+    for (const std::filesystem::path& input : inputs)
+      if (std::filesystem::is_directory(input) &&
+          FileIdentity(std::filesystem::absolute(json).parent_path()) == FileIdentity(input))
+        fail_usage("--json {} is a file of the input {}; choose another name or folder", json.string(),
+                   input.string());
+  outputs.push_back(json);
   ld::refuse_overwriting(outputs, inputs);
 }
 

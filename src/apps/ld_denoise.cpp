@@ -74,7 +74,7 @@ void declare(CLI::App& app, Options& o) {
 std::string recognised(const Options& o, const std::filesystem::path& first) {
   if (first.empty()) return {};
   const ld::ExrReader exr(first);
-  if (!ld::is_frame(exr)) return ld::recognise_preset(exr, o.view);
+  if (!ld::is_frame(exr)) return ld::recognise_preset(exr, o.view, o.assignments);
   if (!o.camera.empty() || !o.assignments.empty() || !o.view.empty() || o.allow_identical)
     ld::fail_command_line(
         "--camera, --set, --view and --allow-identical go with renders of other programs, but {} is a frame",

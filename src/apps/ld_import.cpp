@@ -101,6 +101,7 @@ std::vector<std::filesystem::path> outputs_of(const Options& o) {
   if (!o.place.folder.empty() && !o.place.name.empty() && !is_hdf5(o)) {
     outputs.push_back(ld::frame_path(o.place.folder, o.place.name));
     outputs.push_back(ld::reference_path(o.place.folder, o.place.name));
+    outputs.push_back(o.place.folder / "manifest.json");
   }
   return outputs;
 }

@@ -21,12 +21,22 @@ FileIdentity::FileIdentity(const fs::path& path) {
   if (error) path_ = fs::absolute(path, error).lexically_normal();  // a loop of links, for instance
 }
 
+bool is_special(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
 void refuse_overwriting(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs) {
   std::map<FileIdentity, fs::path> read;
   for (const fs::path& input : inputs)
     if (!input.empty()) read.emplace(FileIdentity(input), input);
+  std::map<FileIdentity, fs::path> written;
   for (const fs::path& output : outputs) {
-    if (output.empty()) continue;
+    if (output.empty() || is_special(output)) continue;
+    const auto [other, is_new] = written.emplace(FileIdentity(output), output);
+    if (!is_new)
+      fail_usage("the outputs {} and {} are one file; expected two", other->second.string(), output.string());
     const auto found = read.find(FileIdentity(output));
     if (found == read.end()) continue;
     if (found->second == output)

@@ -32,4 +32,7 @@ class FileIdentity {
 void refuse_overwriting(const std::vector<std::filesystem::path>& outputs,
                         const std::vector<std::filesystem::path>& inputs);
 
+/// Whether a device, pipe or socket is there: it is neither read as a file nor replaced by one.
+bool is_special(const std::filesystem::path& path);
+
 }  // namespace ld

@@ -12,6 +12,7 @@
 
 #include "core/checksum.h"
 #include "core/error.h"
+#include "core/file_identity.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -38,6 +39,7 @@ class TemporaryFile {
 std::string read_file(const fs::path& path, uint64_t limit) {
   std::error_code error;
   if (!fs::exists(path, error)) fail("no such file: {}; check the path", path.string());
+  if (is_special(path)) fail("{} is no regular file; expected one that can be read again", path.string());
   if (fs::is_directory(path, error)) fail("{} is a folder; expected a file", path.string());
   const auto size = fs::file_size(path, error);
   if (error) fail("cannot read {}: {}", path.string(), error.message());
@@ -72,7 +74,13 @@ void make_folder(const fs::path& path) {
          error ? error.message() : "a file of that name exists");
 }
 
-void write_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+void write_atomically(const fs::path& named, const std::function<void(const fs::path&)>& write) {
+  std::error_code ignored;
+  const fs::path path =
+      fs::is_symlink(named, ignored) && fs::exists(named, ignored) ? fs::canonical(named) : named;
+  if (is_special(path))
+    fail("cannot write {}: neither a file nor the name of a new one, and renaming over it would remove it",
+         named.string());
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   make_folder(folder);
   // The extension stays last, because image libraries choose the format by it. The name is short, because the
@@ -96,6 +104,12 @@ void write_atomically(const fs::path& path, const std::function<void(const fs::p
 }
 
 void write_file_atomically(const fs::path& path, const std::string& bytes) {
+  if (is_special(path) || path.string().rfind("/dev/", 0) == 0) {  // a pipe, /dev/null, /dev/stdout
+    std::ofstream file(path, std::ios::binary);
+    file << bytes << std::flush;
+    if (!file) fail_to_write(path, std::strerror(errno));
+    return;
+  }
   write_atomically(path, [&](const fs::path& temporary) {
     std::ofstream file(temporary, std::ios::binary);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/file_identity.h"
 #include "frame/exr_check.h"
 
 namespace ld {
@@ -110,6 +111,7 @@ std::string ExrRawPart::where(const std::string& path) const {
 ExrBytes::ExrBytes(const fs::path& path) : path_(path.string()) {
   std::error_code error;
   if (!fs::exists(path, error)) fail("no such file: {}; check the path", path_);
+  if (is_special(path)) fail("{} is no regular file; expected one that can be read again", path_);
   if (fs::is_directory(path, error)) fail("{} is a folder; expected an OpenEXR file", path_);
   size_ = fs::file_size(path, error);
   file_.open(path, std::ios::binary);

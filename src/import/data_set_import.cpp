@@ -26,6 +26,9 @@ void check_place(const DataSetPlace& place) {
   entry.name = place.name;
   entry.split = place.split;
   check_entry(entry, place.folder.string());
+  if (fs::path(place.name).extension() == ".reference")
+    fail_usage("'{}' would be the reference of a frame '{}'; choose another --name", place.name,
+               fs::path(place.name).stem().string());
   if (!fs::exists(place.folder / "manifest.json")) return;
   const Manifest manifest = read_manifest(place.folder);
   if (!manifest.recipe.empty() || manifest.seed != 0)

@@ -28,7 +28,8 @@ size_t evidence(const ExrReader& exr, const SourceSample& sample) {
 
 }  // namespace
 
-std::string recognise_preset(const ExrReader& exr, const std::string& view) {
+std::string recognise_preset(const ExrReader& exr, const std::string& view,
+                             const std::vector<std::string>& assignments) {
   // Plain R, G and B could be anybody's; then the first counts.
   std::vector<std::string> names = preset_names();
   std::stable_partition(names.begin(), names.end(),
@@ -36,7 +37,13 @@ std::string recognise_preset(const ExrReader& exr, const std::string& view) {
   std::string best, doubt;
   size_t most = 0;
   for (const std::string& name : names) {
-    ImportMapping mapping = read_mapping(name, {}, {});
+    ImportMapping mapping;
+    try {
+      mapping = read_mapping(name, {}, assignments);
+    } catch (const UsageError& error) {
+      if (doubt.empty()) doubt = error.what();  // what is set does not go with every preset
+      continue;
+    }
     mapping.view = view;
     if (!holds_radiance(exr, mapping)) continue;
     try {

@@ -177,6 +177,12 @@ class Run {
   bool told_ = false;
 };
 
+/// Whether a picture is there: neither a folder nor a name that a render farm took with an empty file.
+bool is_finished(const fs::path& output) {
+  std::error_code error;
+  return fs::is_regular_file(output, error) && fs::file_size(output, error) > 0;
+}
+
 }  // namespace
 
 DenoiseReport run_denoise_job(const DenoiseJob& job) {
@@ -185,7 +191,7 @@ DenoiseReport run_denoise_job(const DenoiseJob& job) {
   for (const DenoiseTask& task : job.tasks) {
     report.stopped = stop_requested();
     if (report.stopped) break;
-    if (job.skip_existing && fs::exists(task.output)) {
+    if (job.skip_existing && is_finished(task.output)) {
       ++report.skipped;
       run.finish_frame();
       continue;

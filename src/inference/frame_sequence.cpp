@@ -189,6 +189,12 @@ std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, c
   if (folder && !fs::is_directory(output) && output.back() != '/' && fs::path(output).has_extension())
     fail_usage("{} pictures for one output '{}'; expected a folder, or #### in the name", tasks.size(),
                output);
+  if (folder && !numbered && samples_of_one && inputs.size() > 1)
+    fail_usage(
+        "{} renders of one sample each make one picture, but the output '{}' is a folder; name a file, or "
+        "write "
+        "#### for the frame's number in the name of the inputs where they are a sequence",
+        inputs.size(), output);
   for (size_t i = 0; i < tasks.size(); ++i) {
     if (target.digits > 0)
       tasks[i].output = target.of(numbers[i]);

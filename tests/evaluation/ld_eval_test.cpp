@@ -144,6 +144,13 @@ TEST_F(LdEval, TheSameFramesGiveTheSameBytes) {
   EXPECT_EQ(read_file(folder_ / "out/report.html"), report);
 }
 
+TEST_F(LdEval, TheResultReplacesNoFileOfTheDataSet) {
+  const std::string manifest = read_file(path("data/manifest.json"));
+  expect_failure(run({"--split", "train", "--json", path("data/manifest.json")}), 2,
+                 {"is a file of the input"});
+  EXPECT_EQ(read_file(path("data/manifest.json")), manifest);
+}
+
 TEST_F(LdEval, WrongCommandLinesExitWithTwoAndWriteNothing) {
   expect_failure(run_program("ld_eval", {"--data", path("data")}), 2, {"--out", "--help"});
   expect_failure(run({"--model", "blur=x"}), 2, {"'blur'", "choose another"});

@@ -176,6 +176,8 @@ TEST(Presets, ADataSetThatIsReadBack) {
   sample.image = Image(16, 11, 3);
   EXPECT_ERROR(add_to_data_set(place, frame, sample), "16 x 12 pixels and the reference 16 x 11");
   EXPECT_ERROR(check_place({place.folder, "../outside", "train"}), "no file name inside");
+  EXPECT_ERROR(check_place({place.folder, "inside.reference", "test"}),
+               "would be the reference of a frame 'inside'");
   EXPECT_ERROR(check_place({place.folder, "inside", "tests"}), "expected one of train, validation, test");
 }
 

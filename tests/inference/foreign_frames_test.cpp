@@ -1,9 +1,11 @@
 // Frames of other programs through ld_denoise: where pictures lie, what is kept, what is said, what is never
 // overwritten.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <limits>
 
+#include "core/file_io.h"
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
 #include "inference/denoise_job.h"
@@ -182,6 +184,69 @@ TEST_F(ForeignFrames, OptionsTakeOneValueInAnyOrder) {
   }
   expect_failure(run({"--set", "layer=L", path("order.exr"), "--output", path("order_out.exr")}), 2,
                  {"--set", "is a frame"});
+}
+
+TEST_F(ForeignFrames, TwoOutputsAreNeverOneFile) {
+  write_frame(path("pair.exr"), random_frame(4, 3, 2));
+  const std::string out = path("pair_out.exr");
+  expect_failure(run({path("pair.exr"), "--output", out, "--json", out}), 2, {"are one file; expected two"});
+  EXPECT_FALSE(fs::exists(out));
+  expect_failure(run_program("ld_export", {"--model", path("model.safetensors"), "--format", "safetensors",
+                                           "--out", path("m.safetensors"), "--card", path("m.safetensors")}),
+                 2, {"are one file; expected two"});
+  EXPECT_FALSE(fs::exists(path("m.safetensors")));
+}
+
+TEST_F(ForeignFrames, PipesAreNeitherReadNorReplaced) {
+  write_frame(path("piped.exr"), random_frame(4, 3, 2));
+  ASSERT_EQ(mkfifo(path("pipe.exr").c_str(), 0600), 0);
+  expect_failure(run({path("pipe.exr"), "--output", path("piped_out.exr")}), 1, {"is no regular file"});
+  expect_failure(run({path("piped.exr"), "--output", path("pipe.exr")}), 1, {"neither a file nor the name"});
+  EXPECT_TRUE(fs::is_fifo(path("pipe.exr")));
+  EXPECT_EQ(run({path("piped.exr"), "--output", path("piped_out.exr"), "--json", "/dev/null"}).exit_code, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(ForeignFrames, ALinkThatIsTheOutputIsFollowed) {
+  write_frame(path("linked_in.exr"), random_frame(4, 3, 2));
+  write_file_atomically(path("real.exr"), "old");
+  fs::create_symlink("real.exr", path("link.exr"));
+  EXPECT_EQ(run({path("linked_in.exr"), "--output", path("link.exr")}).exit_code, 0);
+  EXPECT_TRUE(fs::is_symlink(path("link.exr")));
+  EXPECT_NE(read_file(path("real.exr")), "old");
+}
+
+TEST_F(ForeignFrames, EmptyFilesAndFoldersAreNoFinishedPictures) {
+  fs::create_directory(path("farm"));
+  for (const char* name : {"shot.0001.exr", "shot.0002.exr"})
+    write_frame(path(std::string("farm/") + name), random_frame(4, 3, 2));
+  write_file_atomically(path("farm/out.0001.exr"), "");
+  const ProgramResult result =
+      run({path("farm/shot.####.exr"), "--output", path("farm/out.####.exr"), "--skip-existing"});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_GT(fs::file_size(path("farm/out.0001.exr")), 0);
+}
+
+TEST_F(ForeignFrames, RendersOfAShotAreNotSmearedIntoOnePicture) {
+  fs::create_directory(path("shot"));
+  for (const int frame : {1, 2})
+    write_exr_parts(path("shot/a" + std::to_string(frame) + ".exr"), kDisplay,
+                    {colour_part("", kDisplay, float(frame))});
+  expect_failure(run({path("shot/a1.exr"), path("shot/a2.exr"), "--output", path("shot")}), 2,
+                 {"one picture, but the output", "####"});
+}
+
+TEST_F(ForeignFrames, LayersAreNamedWithoutAPreset) {
+  TestPart part{"", kDisplay, {}};
+  for (const char* layer : {"Front", "Back"})
+    for (const char* colour : {"R", "G", "B"})
+      part.channels.emplace_back(std::string(layer) + ".Combined." + colour,
+                                 everywhere(layer[0] == 'F' ? 1.0F : 2.0F));
+  write_exr_parts(path("two_layers.exr"), kDisplay, {part});
+  const ProgramResult result =
+      run({path("two_layers.exr"), "--set", "layer=Back", "--output", path("back.exr"), "--float"});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NEAR(channel_of(ExrReader(path("back.exr")), 0, "R")[0], 2, 1e-5);
 }
 
 TEST_F(ForeignFrames, WhatCannotBeWrittenIsRefusedBeforeTheWork) {
