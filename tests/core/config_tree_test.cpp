@@ -104,7 +104,8 @@ TEST(Config, ComplaintsNameLineKeyAndCure) {
   EXPECT_EQ(complaint("steps:\n"),
             "test.yaml:1: steps: expected a whole number from 1 to 100, found nothing");
   EXPECT_EQ(complaint("inner: 3\n"), "test.yaml:1: inner: expected a map of 'key: value' lines, found '3'");
-  EXPECT_EQ(complaint("loss: l3\n"), "test.yaml:1: loss: expected one of smape, l2 (did you mean 'l2'?), found 'l3'");
+  EXPECT_EQ(complaint("loss: l3\n"),
+            "test.yaml:1: loss: expected one of smape, l2 (did you mean 'l2'?), found 'l3'");
   EXPECT_EQ(complaint("inner:\n  rate: .nan\n"),
             "test.yaml:2: inner.rate: expected a number of at least 0, found '.nan'");
   EXPECT_EQ(complaint("", {"step=3"}),

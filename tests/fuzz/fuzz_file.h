@@ -1,4 +1,5 @@
-// What the fuzz targets share: the bytes as a file, and that a complaint is an Error of one line which names it.
+// What the fuzz targets share: the bytes as a file, and that a complaint is an Error of one line which names
+// it.
 #pragma once
 
 #include <unistd.h>
