@@ -27,8 +27,8 @@ class FileIdentity {
   std::filesystem::path path_;  // empty when the file is there
 };
 
-/// Throws UsageError when one of the outputs is one of the inputs. Empty paths count for nothing. For calling
-/// before any work.
+/// Throws UsageError when one of the outputs is one of the inputs or another output. Empty paths count for
+/// nothing. For calling before any work.
 void refuse_overwriting(const std::vector<std::filesystem::path>& outputs,
                         const std::vector<std::filesystem::path>& inputs);
 

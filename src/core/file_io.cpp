@@ -104,7 +104,8 @@ void write_atomically(const fs::path& named, const std::function<void(const fs::
 }
 
 void write_file_atomically(const fs::path& path, const std::string& bytes) {
-  if (is_special(path) || path.string().rfind("/dev/", 0) == 0) {  // a pipe, /dev/null, /dev/stdout
+  // A pipe or /dev/null; and standard output, which may be a file that others write to, too.
+  if (is_special(path) || path == "/dev/stdout" || path == "/dev/stderr") {
     std::ofstream file(path, std::ios::binary);
     file << bytes << std::flush;
     if (!file) fail_to_write(path, std::strerror(errno));

@@ -1,6 +1,7 @@
 #include "core/file_io.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "core/checksum.h"
 #include "core/error.h"
@@ -20,6 +21,17 @@ TEST(FileIo, WritesWholeFilesAndReadsThemBack) {
   write_file_atomically(folder / "deep/er/file.bin", std::string("a\0b", 3));
   EXPECT_EQ(read_file(folder / "deep/er/file.bin"), std::string("a\0b", 3));
   EXPECT_EQ(files_in(folder / "deep/er"), 1u);
+}
+
+TEST(FileIo, FilesInMemoryAreFilesLikeOthers) {
+  const std::filesystem::path folder = "/dev/shm/ld_test_" + std::to_string(getpid());
+  write_file_atomically(folder / "new" / "a.json", "1");  // makes the folder, as everywhere
+  const std::filesystem::path real = folder / "new" / "a.json";
+  std::filesystem::create_symlink(real, folder / "link");
+  write_file_atomically(folder / "link", "2");
+  EXPECT_EQ(read_file(real), "2");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(FileIo, AFailedWriteLeavesTheOldFileAndNoRest) {

@@ -91,6 +91,8 @@ TEST_F(Advice, APictureWithoutSamplesIsReadAsARender) {
   const ProgramResult result =
       run_program("ld_denoise", {"--model", model, input, "--output", path("out.exr")});
   EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("one picture a frame"), std::string::npos) << result.output;
+  EXPECT_EQ(read_image(path("out.exr")).width, 8);
 }
 
 TEST_F(Advice, WhatIsLeftOfASequenceIsDoneBySkipExisting) {

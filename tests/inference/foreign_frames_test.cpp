@@ -9,12 +9,11 @@
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
 #include "inference/denoise_job.h"
-#include "tests/models/small_network.h"
+#include "tests/inference/denoising_test.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/exr_parts.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/run_program.h"
-#include "weights/model_file.h"
 
 namespace ld {
 namespace {
@@ -33,23 +32,8 @@ std::vector<float> channel_of(const ExrReader& exr, int part, const std::string&
   return pixels;
 }
 
-int part_of(const ExrReader& exr, const std::string& name) {
-  for (int part = 0; part < exr.parts(); ++part)
-    if (exr.part_name(part) == name) return part;
-  return -1;
-}
-
-class ForeignFrames : public ::testing::Test {
+class ForeignFrames : public DenoisingTest {
  protected:
-  static void SetUpTestSuite() {
-    shared_ = new TemporaryFolder;
-    NetworkConfig config = small_config();
-    config.features = {"radiance"};
-    save_model(path("model.safetensors"), *small_network(config, torch::kFloat32), "{}", DType::f32);
-  }
-  static void TearDownTestSuite() { delete shared_; }
-  static std::string path(const std::string& name) { return (*shared_ / name).string(); }
-
   static void denoise(const std::string& input, const std::string& output, bool full_float = false) {
     DenoiseJob job;
     job.model = path("model.safetensors");
@@ -61,10 +45,7 @@ class ForeignFrames : public ::testing::Test {
     arguments.insert(arguments.begin(), {"--model", path("model.safetensors")});
     return run_program("ld_denoise", arguments);
   }
-
-  static TemporaryFolder* shared_;
 };
-TemporaryFolder* ForeignFrames::shared_ = nullptr;
 
 TEST_F(ForeignFrames, ThePictureLiesWhereTheSamplesDoAndTheMeansChannelsAreMovedThere) {
   for (const Imath::Box2i& mean :

@@ -6,11 +6,10 @@
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
 #include "import/recognise.h"
-#include "tests/models/small_network.h"
+#include "tests/inference/denoising_test.h"
 #include "tests/support/exr_parts.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/run_program.h"
-#include "weights/model_file.h"
 
 namespace ld {
 namespace {
@@ -38,23 +37,8 @@ void expect_channel(const ExrReader& exr, int part, const std::string& name, boo
   for (const float pixel : pixels) ASSERT_NEAR(pixel, value, 1e-3F * value) << name;
 }
 
-int part_of(const ExrReader& exr, const std::string& name) {
-  for (int part = 0; part < exr.parts(); ++part)
-    if (exr.part_name(part) == name) return part;
-  return -1;
-}
-
-class Stereo : public ::testing::Test {
+class Stereo : public DenoisingTest {
  protected:
-  static void SetUpTestSuite() {
-    shared_ = new TemporaryFolder;
-    NetworkConfig config = small_config();
-    config.features = {"radiance"};
-    save_model(path("model.safetensors"), *small_network(config, torch::kFloat32), "{}", DType::f32);
-  }
-  static void TearDownTestSuite() { delete shared_; }
-  static std::string path(const std::string& name) { return (*shared_ / name).string(); }
-
   static ProgramResult denoise(const std::string& input, const std::string& output,
                                const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"--model", path("model.safetensors"), "--threads", "1"};
@@ -70,10 +54,7 @@ class Stereo : public ::testing::Test {
       channels.insert(channels.end(), more.begin(), more.end());
     write_exr_parts(path("one.exr"), kWindow, {{"rgba", kWindow, channels}}, {"left", "right"});
   }
-
-  static TemporaryFolder* shared_;
 };
-TemporaryFolder* Stereo::shared_ = nullptr;
 
 TEST_F(Stereo, TheHeroOfOnePart) {
   write_one_part();
