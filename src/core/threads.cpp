@@ -8,8 +8,6 @@
 #include <exception>
 #include <mutex>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include "core/error.h"
 
@@ -32,6 +30,20 @@ int default_threads() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+std::vector<std::thread> start_threads(int count, const std::function<void()>& work,
+                                       const std::function<void()>& stop) {
+  std::vector<std::thread> threads;
+  try {
+    for (int i = 0; i < count; ++i) threads.emplace_back(work);
+  } catch (const std::exception& error) {
+    stop();
+    for (std::thread& thread : threads) thread.join();
+    fail("cannot start thread {} of {}: {}; ask for fewer or raise the limits (ulimit -u, ulimit -v)",
+         threads.size() + 1, count, error.what());
+  }
+  return threads;
+}
+
 void parallel_for(int64_t count, int threads, const std::function<void(int64_t)>& body) {
   std::atomic<int64_t> next{0};
   std::exception_ptr first_failure;
@@ -47,8 +59,8 @@ void parallel_for(int64_t count, int threads, const std::function<void(int64_t)>
       }
     }
   };
-  std::vector<std::thread> helpers;
-  for (int t = 1; t < std::min<int64_t>(threads, count); ++t) helpers.emplace_back(work);
+  const auto others = static_cast<int>(std::max<int64_t>(std::min<int64_t>(threads, count) - 1, 0));
+  std::vector<std::thread> helpers = start_threads(others, work, [&] { next = count; });
   work();
   for (std::thread& helper : helpers) helper.join();
   if (first_failure) std::rethrow_exception(first_failure);

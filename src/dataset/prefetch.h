@@ -13,23 +13,22 @@
 #include <utility>
 #include <vector>
 
+#include "core/threads.h"
+
 namespace ld {
 
 template <class Item>
 class Prefetch {
  public:
   /// `make` is called from all workers at a time; with no workers, from get(). At most workers + 1 items wait
-  /// or are being made.
+  /// or are being made. Throws Error when the system refuses to start one.
   Prefetch(std::function<Item(int64_t)> make, int workers) : make_(std::move(make)), ahead_(workers + 1) {
-    for (int i = 0; i < workers; ++i) threads_.emplace_back([this] { work(); });
+    threads_ = start_threads(
+        workers, [this] { work(); }, [this] { stop(); });
   }
 
   ~Prefetch() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      stop_ = true;
-    }
-    changed_.notify_all();
+    stop();
     for (std::thread& thread : threads_) thread.join();
   }
   Prefetch(const Prefetch&) = delete;
@@ -60,6 +59,14 @@ class Prefetch {
     std::optional<Item> item;
     std::exception_ptr error;
   };
+
+  void stop() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stop_ = true;
+    }
+    changed_.notify_all();
+  }
 
   void work() {
     std::unique_lock<std::mutex> lock(mutex_);

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <vector>
 
 #include "core/error.h"
 #include "core/progress.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/thread_limit.h"
 
 namespace ld {
 namespace {
@@ -26,6 +29,19 @@ TEST(Threads, TheFirstExceptionArrives) {
                               if (i == 50) fail("fifty");
                             }),
                Error);
+}
+
+TEST(Threads, OneThatCannotStartIsAnErrorOfOneLine) {
+  for (const int allowed : {1, 3, 0}) {
+    const ThreadLimit limit(allowed);
+    std::atomic<int> visits{0};
+    EXPECT_ERROR(parallel_for(1000000, 8, [&](int64_t) { ++visits; }),
+                 "cannot start thread " + std::to_string(allowed + 1) + " of 7: Resource temporarily");
+    EXPECT_LT(visits, 1000000) << "the threads that had started went on";
+  }
+  std::atomic<int> visits{0};
+  parallel_for(1000, 8, [&](int64_t) { ++visits; });
+  EXPECT_EQ(visits, 1000);
 }
 
 TEST(Threads, TheEnvironmentOverrides) {

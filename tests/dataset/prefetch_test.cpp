@@ -6,6 +6,8 @@
 #include <chrono>
 
 #include "core/error.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/thread_limit.h"
 
 namespace ld {
 namespace {
@@ -52,6 +54,17 @@ TEST(Prefetch, AnErrorReachesTheCallerAsItIs) {
     EXPECT_EQ(items.get(3), 3);
     EXPECT_THROW(items.get(2), UsageError);
   }
+}
+
+TEST(Prefetch, AWorkerThatCannotStartIsAnErrorOfOneLine) {
+  const auto make = [](int64_t number) { return number; };
+  for (const int allowed : {1, 3, 0}) {
+    const ThreadLimit limit(allowed);
+    EXPECT_ERROR(Prefetch<int64_t>(make, 5),
+                 "cannot start thread " + std::to_string(allowed + 1) + " of 5: Resource temporarily");
+  }
+  Prefetch<int64_t> items(make, 5);
+  EXPECT_EQ(items.get(7), 7);
 }
 
 TEST(Prefetch, EndsWhileItsWorkersWork) {
