@@ -9,10 +9,12 @@
 #include <cstring>
 #include <fstream>
 #include <system_error>
+#include <vector>
 
 #include "core/checksum.h"
 #include "core/error.h"
 #include "core/file_identity.h"
+#include "core/unique_name.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -68,10 +70,19 @@ void flush_to_disk(const fs::path& path) {
 
 void make_folder(const fs::path& path) {
   std::error_code error;
+  std::vector<fs::path> missing;  // the deepest one first
+  for (fs::path folder = path; !folder.empty() && !fs::exists(folder, error); folder = folder.parent_path())
+    missing.push_back(folder);
   fs::create_directories(path, error);
   if (error || !fs::is_directory(path))
     fail("cannot make the folder {}: {}; check the path and its permissions", path.string(),
          error ? error.message() : "a file of that name exists");
+  // A power cut may take a folder whose name is not on the disk, with all that was flushed in it. A parent
+  // that may be written but not read cannot be flushed.
+  for (auto folder = missing.rbegin(); folder != missing.rend(); ++folder) {
+    const fs::path parent = folder->has_parent_path() ? folder->parent_path() : fs::path(".");
+    if (access(parent.c_str(), R_OK) == 0) flush_to_disk(parent);
+  }
 }
 
 void write_atomically(const fs::path& named, const std::function<void(const fs::path&)>& write) {
@@ -87,12 +98,12 @@ void write_atomically(const fs::path& named, const std::function<void(const fs::
   // file's own may be as long as the system allows.
   const std::string name = path.filename().string();
   const TemporaryFile temporary(folder / fmt::format(".{:016x}.{}.partial{}",
-                                                     checksum(name.data(), name.size()), getpid(),
+                                                     checksum(name.data(), name.size()), unique_name(),
                                                      path.extension().string()));
   // Whatever writes the file may not know why it cannot: the system does.
   struct stat there {};
   if (lstat(path.c_str(), &there) != 0 && errno != ENOENT) fail_to_write(path, std::strerror(errno));
-  const int descriptor = open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  const int descriptor = open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) fail_to_write(path, std::strerror(errno));
   close(descriptor);
   write(temporary.path());

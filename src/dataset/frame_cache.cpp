@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <mutex>
 
 #include "core/checksum.h"
 #include "core/error.h"
@@ -115,12 +114,6 @@ void read_head(const fs::path& path) {
   close(descriptor);
 }
 
-/// Files are written beside their place under a name that the process has for itself, not the thread.
-std::mutex& mutex_of(const fs::path& path) {
-  static std::array<std::mutex, 16> mutexes;
-  return mutexes[fs::hash_value(path) % mutexes.size()];
-}
-
 }  // namespace
 
 std::string source_state(const fs::path& data_set, const ManifestFrame& frame) {
@@ -160,7 +153,6 @@ std::optional<PackedFrame> FrameCache::open(const std::string& name, const std::
 
 bool FrameCache::write(const std::string& name, const std::string& source, const PackedFrame& frame) {
   if (!writable_) return false;
-  const std::lock_guard<std::mutex> lock(mutex_of(path(name)));
   try {
     make_folder(path(name).parent_path());
     const uint64_t available = fs::space(folder_).available;

@@ -1,11 +1,30 @@
 #include "core/file_io.h"
 
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
 #include <unistd.h>
+
+#include <set>
+#include <string>
+#include <vector>
 
 #include "core/checksum.h"
 #include "core/error.h"
 #include "tests/support/temporary_folder.h"
+
+namespace {
+
+std::vector<std::string> flushed;  // what fsync() was called for, in this order
+
+}  // namespace
+
+/// Stands before the C library's function of that name and keeps a record: what a power cut takes cannot be
+/// tried out.
+extern "C" int fsync(int descriptor) {
+  const std::filesystem::path of_descriptor = "/proc/self/fd/" + std::to_string(descriptor);
+  flushed.push_back(std::filesystem::read_symlink(of_descriptor).string());
+  return static_cast<int>(syscall(SYS_fsync, descriptor));
+}
 
 namespace ld {
 namespace {
@@ -45,6 +64,43 @@ TEST(FileIo, AFailedWriteLeavesTheOldFileAndNoRest) {
                Error);
   EXPECT_EQ(read_file(folder / "file"), "old");
   EXPECT_EQ(files_in(folder.path()), 1u);
+}
+
+TEST(FileIo, TwoWritersOfOneFileNeverShareATemporaryFile) {
+  const TemporaryFolder folder;
+  std::set<std::string> names;
+  // As in two containers, both writers have the same number of the process.
+  write_atomically(folder / "file", [&](const std::filesystem::path& outer) {
+    names.insert(outer.filename().string());
+    write_atomically(folder / "file", [&](const std::filesystem::path& inner) {
+      names.insert(inner.filename().string());
+      write_file_atomically(inner, "inner");
+    });
+    EXPECT_EQ(read_file(folder / "file"), "inner");
+    EXPECT_TRUE(std::filesystem::exists(outer)) << "the other writer took it away";
+    write_file_atomically(outer, "outer");
+  });
+  EXPECT_EQ(names.size(), 2u);
+  EXPECT_EQ(read_file(folder / "file"), "outer");
+  EXPECT_EQ(files_in(folder.path()), 1u);
+}
+
+TEST(FileIo, NewFoldersAreFlushedWithTheFolderThatNamesThem) {
+  const TemporaryFolder folder;
+  const std::string base = std::filesystem::canonical(folder.path()).string();
+  flushed.clear();
+  make_folder(folder / "a/b/c");
+  EXPECT_EQ(flushed, (std::vector<std::string>{base, base + "/a", base + "/a/b"}));
+  flushed.clear();
+  make_folder(folder / "a/b");
+  make_folder(folder / "a/b/");
+  EXPECT_TRUE(flushed.empty()) << "nothing is new";
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  make_folder("x/./y/");
+  std::filesystem::current_path(before);
+  const std::set<std::string> folders(flushed.begin(), flushed.end());
+  EXPECT_TRUE(folders.count(base) == 1 && folders.count(base + "/x") == 1);
 }
 
 TEST(FileIo, ComplainsOfMissingFoldersAndTooLargeFiles) {
