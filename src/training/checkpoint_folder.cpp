@@ -1,13 +1,12 @@
 #include "training/checkpoint_folder.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <system_error>
 
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/log.h"
+#include "core/unique_name.h"
 #include "weights/checkpoint_files.h"
 
 namespace ld {
@@ -27,10 +26,30 @@ bool starts_with(const std::string& text, const std::string& start) {
   return text.rfind(start, 0) == 0;
 }
 
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// A checkpoint that is about to be replaced by one of the same step: .step_00000500.replaced
+constexpr const char* kReplaced = ".replaced";
+
+fs::path replaced_path(const fs::path& folder, const std::string& name) {
+  return folder / ("." + name + kReplaced);
+}
+
+/// Names in the folder; none where there is no folder.
+std::vector<std::string> entries_of(const fs::path& folder) {
+  std::vector<std::string> found;
+  if (fs::exists(folder))
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      found.push_back(entry.path().filename().string());
+  return found;
+}
+
 /// Points the link at the checkpoint, in one step: a reader sees the old one or the new one.
 void set_link(const fs::path& link, const std::string& target) {
-  const fs::path temporary = fmt::format("{}.{}.partial", link.string(), getpid());
-  fs::remove(temporary);
+  const fs::path temporary =
+      link.parent_path() / fmt::format(".{}.{}.partial", link.filename().string(), unique_name());
   fs::create_symlink(target, temporary);
   fs::rename(temporary, link);
 }
@@ -72,10 +91,8 @@ CheckpointFolder::CheckpointFolder(fs::path run, int64_t keep)
 
 std::vector<std::string> CheckpointFolder::names() const {
   std::vector<std::string> found;
-  if (fs::exists(folder_))
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
-      if (starts_with(entry.path().filename().string(), "step_"))
-        found.push_back(entry.path().filename().string());
+  for (const std::string& name : entries_of(folder_))
+    if (starts_with(name, "step_")) found.push_back(name);
   std::sort(found.begin(), found.end(), is_newer);
   return found;
 }
@@ -90,16 +107,20 @@ bool CheckpointFolder::begun() const {
 
 void CheckpointFolder::write(int64_t step, const std::function<void(const fs::path&)>& fill, bool best) {
   const std::string name = name_of(step);
-  const fs::path partial = folder_ / fmt::format(".{}.{}.partial", name, getpid());
+  const fs::path partial = folder_ / fmt::format(".{}.{}.partial", name, unique_name());
+  const fs::path replaced = replaced_path(folder_, name);
   try {
     guarded([&] {
-      make_folder(folder_);
-      fs::remove_all(partial);
       make_folder(partial);
       fill(partial);
       write_checkpoint_checksums(partial);
       flush_to_disk(partial);
-      fs::remove_all(folder_ / name);  // of a run that went back behind this step
+      // One of this step may be there already, of a run that was stopped while it validated, say, and be all
+      // there is. It stays until the new one has its place; after a kill bring_back_replaced() finds it.
+      if (fs::exists(folder_ / name)) {
+        fs::remove_all(replaced);
+        fs::rename(folder_ / name, replaced);
+      }
       fs::rename(partial, folder_ / name);
       flush_to_disk(folder_);
       set_link(folder_ / "last", name);
@@ -110,6 +131,7 @@ void CheckpointFolder::write(int64_t step, const std::function<void(const fs::pa
   } catch (const Error&) {
     std::error_code ignored;  // the space matters, but the error that led here matters more
     fs::remove_all(partial, ignored);
+    if (!fs::exists(folder_ / name, ignored)) fs::rename(replaced, folder_ / name, ignored);
     throw;
   }
 }
@@ -119,13 +141,26 @@ void CheckpointFolder::remove_surplus() const {
   const std::vector<std::string> all = names();
   for (size_t i = static_cast<size_t>(keep_); i < all.size(); ++i)
     if (all[i] != best) fs::remove_all(folder_ / all[i]);
-  std::vector<fs::path> unfinished;  // of processes that were killed
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
-    if (starts_with(entry.path().filename().string(), ".step_")) unfinished.push_back(entry.path());
-  for (const fs::path& path : unfinished) fs::remove_all(path);
+  for (const std::string& name : entries_of(folder_))  // what killed processes left, and what was replaced
+    if (starts_with(name, ".step_") || (starts_with(name, ".") && ends_with(name, ".partial")))
+      fs::remove_all(folder_ / name);
+}
+
+/// A process that was killed between two renames has left a checkpoint aside and nothing in its place. One
+/// that was killed later has left what is of no use any more.
+void CheckpointFolder::bring_back_replaced() const {
+  for (const std::string& entry : entries_of(folder_)) {
+    if (!starts_with(entry, ".step_") || !ends_with(entry, kReplaced)) continue;
+    const std::string name = entry.substr(1, entry.size() - 1 - std::string(kReplaced).size());
+    if (fs::exists(folder_ / name))
+      fs::remove_all(folder_ / entry);
+    else
+      fs::rename(folder_ / entry, folder_ / name);
+  }
 }
 
 std::optional<fs::path> CheckpointFolder::newest_whole() {
+  guarded([&] { bring_back_replaced(); });
   const std::vector<std::string> all = names();
   const std::string last = link_target(folder_ / "last");
   if (all.empty()) {
@@ -170,6 +205,7 @@ std::optional<fs::path> CheckpointFolder::newest_whole_until(int64_t step) const
 void CheckpointFolder::go_back_to(int64_t step) {
   const std::string name = name_of(step);
   guarded([&] {
+    bring_back_replaced();
     // The links first: they never name what is not there.
     for (const char* link : {"last", "best"}) {
       if (!is_newer(link_target(folder_ / link), name)) continue;

@@ -48,6 +48,7 @@ class CheckpointFolder {
  private:
   std::vector<std::string> names() const;  // newest first
   void remove_surplus() const;
+  void bring_back_replaced() const;
 
   std::filesystem::path folder_;
   int64_t keep_;

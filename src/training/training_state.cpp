@@ -10,6 +10,15 @@ namespace {
 
 constexpr int kVersion = 2;
 
+/// All whole numbers of a state count something.
+int64_t counter(const nlohmann::json& object, const char* key, const std::string& name) {
+  const int64_t value = whole_number(object, key, name);
+  if (value < 0)
+    fail("{}: \"{}\" is {}, expected a whole number from 0; the file was changed or damaged", name, key,
+         value);
+  return value;
+}
+
 }  // namespace
 
 std::string state_to_json(const TrainingState& state) {
@@ -44,25 +53,25 @@ TrainingState state_from_json(const std::string& text, const std::string& name) 
         name, kVersion);
   try {
     TrainingState state;
-    state.step = whole_number(json, "step", name);
-    state.optimizer_steps = whole_number(json, "optimizer_steps", name);
-    state.skipped = whole_number(json, "skipped", name);
-    state.skipped_in_a_row = whole_number(json, "skipped_in_a_row", name);
+    state.step = counter(json, "step", name);
+    state.optimizer_steps = counter(json, "optimizer_steps", name);
+    state.skipped = counter(json, "skipped", name);
+    state.skipped_in_a_row = counter(json, "skipped_in_a_row", name);
     state.loss_sum = json.at("loss_sum");
-    state.loss_count = whole_number(json, "loss_count", name);
+    state.loss_count = counter(json, "loss_count", name);
     state.validation_due = json.at("validation_due");
     if (!json.at("best_score").is_null()) state.best_score = json.at("best_score");
-    state.best_step = whole_number(json, "best_step", name);
-    state.crops_per_step = whole_number(json, "crops_per_step", name);
+    state.best_step = counter(json, "best_step", name);
+    state.crops_per_step = counter(json, "crops_per_step", name);
     state.dataset = json.at("dataset");
     if (!json.contains("watch")) return state;  // of an earlier program: the watch begins there
-    state.rollbacks = whole_number(json, "rollbacks", name);
+    state.rollbacks = counter(json, "rollbacks", name);
     const nlohmann::json& watch = json.at("watch");
     state.watch.losses = watch.at("losses").get<std::vector<double>>();
     state.watch.medians = watch.at("medians").get<std::vector<double>>();
-    state.watch.raised = whole_number(watch, "raised", name);
-    state.watch.window_begin = whole_number(watch, "window_begin", name);
-    state.watch.calm_step = whole_number(watch, "calm_step", name);
+    state.watch.raised = counter(watch, "raised", name);
+    state.watch.window_begin = counter(watch, "window_begin", name);
+    state.watch.calm_step = counter(watch, "calm_step", name);
     return state;
   } catch (const nlohmann::json::exception& error) {
     fail("{}: not the state of a training run: {}", name, error.what());

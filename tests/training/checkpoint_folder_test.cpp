@@ -2,6 +2,7 @@
 #include "training/checkpoint_folder.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +13,7 @@
 #include "core/random.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/killed_process.h"
 #include "tests/support/temporary_folder.h"
 #include "weights/checkpoint_files.h"
 
@@ -92,6 +94,72 @@ TEST_F(Checkpoints, StepsOutgrowTheirDigits) {
 
 TEST_F(Checkpoints, WhatKilledProcessesLeftIsRemoved) {
   fs::create_directories(checkpoints_ / ".step_00000005.123.partial");
+  write(folder_, 10);
+  EXPECT_EQ(names(), (std::vector<std::string>{"last", "step_00000010"}));
+}
+
+TEST_F(Checkpoints, AKillAtAnyMomentOfSavingAStepAgainLeavesItWhole) {
+  const fs::path run = "/dev/shm/ld_test_" + std::to_string(getpid());  // flushing takes no time there
+  checkpoints_ = run / "checkpoints";
+  folder_ = CheckpointFolder(run, 2);
+  Ended ended = Ended::killed;
+  for (int call = 1; ended == Ended::killed; ++call) {
+    SCOPED_TRACE(fmt::format("killed at system call {}", call));
+    fs::remove_all(checkpoints_);
+    write(folder_, 10, true);
+    ended = run_until_call(call, [&] { write(folder_, 10, true); });
+    CheckpointFolder again(run, 2);
+    EXPECT_TRUE(again.begun());
+    ASSERT_EQ(again.newest_whole(), of(10));
+    EXPECT_TRUE(again.restore_best(10));
+    EXPECT_EQ(link("last"), "step_00000010");
+    EXPECT_EQ(link("best"), "step_00000010");
+    write(again, 20);
+    EXPECT_EQ(names(), (std::vector<std::string>{"best", "last", "step_00000010", "step_00000020"}));
+  }
+  fs::remove_all(run);
+  if (ended == Ended::untraceable) GTEST_SKIP() << "no process may be traced here";
+}
+
+TEST_F(Checkpoints, OneThatWasToBeReplacedComesBack) {
+  const fs::path aside = checkpoints_ / ".step_00000010.replaced";
+  const fs::path partial = checkpoints_ / ".step_00000010.123.partial";
+  write(folder_, 10, true);
+  fs::rename(of(10), aside);  // killed before the new one was there
+  fs::create_directories(partial);
+  fill(partial, 11);
+  EXPECT_TRUE(folder_.begun());
+  EXPECT_EQ(folder_.newest_whole(), of(10));
+  EXPECT_EQ(link("last"), "step_00000010");
+  EXPECT_NO_THROW(verify_checkpoint(of(10)));
+
+  fs::create_directories(aside);  // killed before what was left of the old one was removed
+  EXPECT_EQ(folder_.newest_whole(), of(10));
+  EXPECT_FALSE(fs::exists(aside));
+  write(folder_, 20);
+
+  fs::rename(of(20), checkpoints_ / ".step_00000020.replaced");
+  folder_.go_back_to(10);  // forgets all after it, also what was to be replaced
+  EXPECT_EQ(folder_.newest_whole(), of(10));
+  EXPECT_EQ(names(), (std::vector<std::string>{"best", "last", "step_00000010"}));
+}
+
+TEST_F(Checkpoints, TwoProcessesOfOneNumberDoNotShareAFolder) {
+  std::vector<std::string> names;  // as in two containers on one disk
+  for (int i = 0; i < 2; ++i)
+    folder_.write(
+        10,
+        [&](const fs::path& folder) {
+          names.push_back(folder.filename().string());
+          fill(folder, 10);
+        },
+        false);
+  EXPECT_NE(names.at(0), names.at(1));
+}
+
+TEST_F(Checkpoints, ALinkThatAKilledProcessDidNotPutInPlaceIsRemoved) {
+  fs::create_directories(checkpoints_);
+  fs::create_symlink("step_00000005", checkpoints_ / ".last.123.partial");
   write(folder_, 10);
   EXPECT_EQ(names(), (std::vector<std::string>{"last", "step_00000010"}));
 }

@@ -190,6 +190,24 @@ TEST(State, KeepsEveryBit) {
                              nlohmann::json::parse(step).dump()));
 }
 
+TEST(State, CountersBelowZeroAreRefused) {
+  const auto good = nlohmann::json::parse(state_to_json({}));
+  for (const char* key : {"step", "optimizer_steps", "skipped", "skipped_in_a_row", "loss_count", "best_step",
+                          "crops_per_step", "rollbacks"}) {
+    auto json = good;
+    json[key] = -3;
+    EXPECT_ERROR(state_from_json(json.dump(), "state.json"),
+                 fmt::format("state.json: \"{}\" is -3, expected a whole number from 0", key));
+  }
+  for (const char* key : {"raised", "window_begin", "calm_step"}) {
+    auto json = good;
+    json["watch"][key] = INT64_MIN;
+    EXPECT_ERROR(state_from_json(json.dump(), "state.json"),
+                 fmt::format("state.json: \"{}\" is {}, expected a whole number from 0", key, INT64_MIN));
+  }
+  EXPECT_NO_THROW(state_from_json(good.dump(), "state.json"));
+}
+
 TEST(State, OfAnEarlierProgramKnowsNoWatch) {
   auto json = nlohmann::json::parse(state_to_json({}));
   json.erase("watch");
