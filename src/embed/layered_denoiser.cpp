@@ -1,6 +1,7 @@
 #include "layered_denoiser/layered_denoiser.h"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <functional>
 #include <new>
@@ -8,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/threads.h"
+#include "embed/floating_point.h"
 #include "embed/frame_buffers.h"
 #include "inference/denoiser.h"
 #include "models/network_config.h"
@@ -20,21 +22,23 @@ struct LdDenoiser {
   ld::Denoiser denoiser;
   ld::FrameBuffers buffers;
   ld::DenoiseOptions options;
-  bool cancelled = false;  // by the progress function of the call that runs
+  bool cancelled = false;             // by the progress function of the call that runs
+  ld::FloatingPointSettings callers;  // of the call that runs
 };
 
 namespace {
 
 thread_local std::string last_error;
-int chosen_threads = 0;  // 0: default_threads()
+std::atomic<int> chosen_threads{0};  // 0: default_threads(); any thread may set it while others denoise
 
 LdStatus refuse(LdStatus status, const std::string& why) {
   last_error = why;
   return status;
 }
 
-/// No exception leaves the library: C cannot catch it.
+/// No exception leaves the library: C cannot catch it. Nor do floating-point settings.
 LdStatus guarded(const std::function<void()>& body) {
+  const ld::FloatingPointGuard settings;
   try {
     body();
     return LD_OK;
@@ -50,7 +54,8 @@ LdStatus guarded(const std::function<void()>& body) {
 }
 
 int threads() {
-  return chosen_threads > 0 ? chosen_threads : ld::default_threads();
+  const int chosen = chosen_threads;
+  return chosen > 0 ? chosen : ld::default_threads();
 }
 
 const std::string* feature(const LdDenoiser* denoiser, int index) {
@@ -146,6 +151,7 @@ LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user) 
   denoiser->options.cancel = nullptr;
   if (progress != nullptr) {
     denoiser->options.progress = [denoiser, progress, user](double share) {
+      const ld::FloatingPointGuard callers(denoiser->callers);  // it is the caller's code
       denoiser->cancelled = progress(share, user) == 0;
     };
     denoiser->options.cancel = [denoiser] { return denoiser->cancelled; };
@@ -156,6 +162,7 @@ LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user) 
 LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strides) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
   if (picture == nullptr) return refuse(LD_INVALID_ARGUMENT, "the picture to write is a null pointer");
+  denoiser->callers = ld::FloatingPointSettings();
   return guarded([&] {
     const ld::RuntimeGuard runtime(threads());
     denoiser->cancelled = false;

@@ -1,10 +1,16 @@
 // The C interface against the class that it wraps, and what it says to wrong calls.
 #include <gtest/gtest.h>
 
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "inference/denoiser.h"
@@ -179,6 +185,62 @@ TEST_F(Embed, ACancelledCallLeavesThePictureAlone) {
   });
   denoiser_.denoise(picture.data());
   EXPECT_EQ(largest, 1);
+}
+
+#ifdef __SSE__
+TEST_F(Embed, TheCallersFloatingPointSettingsComeBack) {
+  set_all();
+  const std::vector<float> expected = denoise();
+  std::vector<float> picture(expected.size());
+  const unsigned before = _mm_getcsr(), plain = 0x1f80;
+  const unsigned flush = plain | 0x8040, upward = plain | 0x4000, trapping = plain & ~0x0680U;
+  for (const unsigned settings : {plain, flush, upward, trapping, plain | 0x0001}) {
+    SCOPED_TRACE(settings);
+    const auto comes_back = [&](LdStatus status, const std::function<LdStatus()>& call) {
+      _mm_setcsr(settings);
+      const LdStatus found = call();
+      const unsigned after = _mm_getcsr();
+      _mm_setcsr(before);
+      EXPECT_EQ(found, status) << ld_error();
+      EXPECT_EQ(after, settings);
+    };
+    LdDenoiser* denoiser = nullptr;
+    comes_back(LD_FAILED, [&] { return ld_create("/nowhere/w.safetensors", &denoiser); });
+    comes_back(LD_OK, [&] { return ld_create(kWeights.c_str(), &denoiser); });
+    comes_back(LD_INVALID_ARGUMENT, [&] { return ld_set_size(denoiser, 0, 4, 1); });
+    comes_back(LD_OK, [&] { return ld_set_size(denoiser, frame_.width, frame_.height, frame_.spp); });
+    comes_back(LD_INVALID_ARGUMENT, [&] { return ld_denoise(denoiser, picture.data(), nullptr); });
+    for (size_t i = 0; i < buffers_.size(); ++i)
+      comes_back(LD_OK, [&] {
+        return ld_set_feature(denoiser, ld_feature_name(denoiser, int(i)), buffers_[i].data(), nullptr);
+      });
+    unsigned seen = 0;  // what the caller's own function finds
+    const LdProgress stop = [](double, void* user) {
+      *static_cast<unsigned*>(user) = _mm_getcsr();
+      return 0;
+    };
+    ld_set_progress(denoiser, stop, &seen);
+    comes_back(LD_CANCELLED, [&] { return ld_denoise(denoiser, picture.data(), nullptr); });
+    EXPECT_EQ(seen, settings);
+    ld_set_progress(denoiser, nullptr, nullptr);
+    comes_back(LD_OK, [&] { return ld_denoise(denoiser, picture.data(), nullptr); });
+    EXPECT_EQ(picture, expected) << "the caller's settings change no bit of the picture";
+    ld_destroy(denoiser);
+  }
+}
+#endif
+
+TEST_F(Embed, ThreadsMayBeSetWhileAnotherThreadDenoises) {
+  set_all();
+  const std::vector<float> expected = denoise();
+  std::atomic<bool> done{false};
+  std::thread other([&] {
+    while (!done) ld_set_threads(1);  // the tools that watch for races see these writes
+  });
+  const std::vector<float> picture = denoise();
+  done = true;
+  other.join();
+  EXPECT_EQ(picture, expected);
 }
 
 }  // namespace
