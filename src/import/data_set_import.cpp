@@ -34,6 +34,13 @@ void check_place(const DataSetPlace& place) {
   if (!manifest.recipe.empty() || manifest.seed != 0)
     fail("{}: holds frames that ld_render made from a recipe; choose another folder for imported ones",
          place.folder.string());
+  if (!place.sequence || !place.position) return;
+  for (const ManifestFrame& frame : manifest.frames)
+    if (frame.sequence == place.sequence && frame.position == place.position && frame.name != place.name)
+      fail_usage(
+          "{}: the frame '{}' is at position {} of sequence {} already, so '{}' cannot be; choose another "
+          "--position or --sequence, or the name '{}' to replace it",
+          place.folder.string(), frame.name, *place.position, *place.sequence, place.name, frame.name);
 }
 
 void add_to_data_set(const DataSetPlace& place, const Frame& frame, const ImportedPicture& reference) {
@@ -45,6 +52,7 @@ void add_to_data_set(const DataSetPlace& place, const Frame& frame, const Import
         "render the two at one size",
         place.name, frame.width, frame.height, reference.image.width, reference.image.height);
   check_other_noise(place, frame, reference.image);
+  check_place(place);  // others may have added frames since
   ManifestFrame entry;
   entry.name = place.name;
   entry.split = place.split;

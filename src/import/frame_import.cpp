@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -12,45 +13,15 @@
 #include "core/error.h"
 #include "frame/exr_check.h"
 #include "frame/exr_reader.h"
-#include "frame/picture_place.h"
 #include "import/file_views.h"
+#include "import/former_result.h"
+#include "import/sample_window.h"
 #include "import/source_plan.h"
 
 namespace ld {
 namespace {
 
 using Planes = std::vector<std::vector<float>>;
-
-/// A channel's pixels where the sample has its own: 0 where the channel's part has none.
-std::vector<float> read_placed(const ExrReader& exr, const SourceChannel& channel, const Extent& extent) {
-  const Extent found = extent_of(exr, channel.part);
-  std::vector<float> own(found.pixels());
-  exr.read(channel.part, {{channel.name, own.data(), own.size()}});
-  if (found == extent) return own;
-  std::vector<float> placed(extent.pixels());
-  place_pixels(reinterpret_cast<const char*>(own.data()), found, reinterpret_cast<char*>(placed.data()),
-               extent, sizeof(float));
-  return placed;
-}
-
-Planes read_channels(const ExrReader& exr, const SourceFeature& source, const Extent& extent) {
-  Planes planes;
-  for (const SourceChannel& channel : source.channels) planes.push_back(read_placed(exr, channel, extent));
-  return planes;
-}
-
-/// Alpha alone may have a data window of its own, as mattes do that are cut to what they cover: it is 0
-/// outside.
-void require_extent(const ExrReader& exr, const SourceSample& sample, const Extent& expected,
-                    const std::string& expected_in) {
-  for (const SourceFeature& feature : sample.features)
-    for (const SourceChannel& channel : feature.channels) {
-      const Extent found = extent_of(exr, channel.part);
-      if (!(found == expected))
-        fail("{}: channel '{}' is {}, but {} has {}, or another display window; render all at one size",
-             exr.path(), channel.name, found.text(), expected_in, expected.text());
-    }
-}
 
 std::vector<std::string> feature_list(const SourceSample& sample) {
   std::vector<std::string> names;
@@ -112,25 +83,30 @@ class FrameBuilder {
     const std::vector<SourceSample> samples = plan_for(exr);
     if (spp_ == 0) start(exr, samples[0]);
     for (const SourceSample& sample : samples) {
-      require_extent(exr, sample, extent_, first_file_);
+      for (const SourceChannel& channel : sample.features[0].channels)
+        if (is_denoised(exr, FileViews(exr, mapping_.view), channel.part))
+          fail("{}: {}", exr.path(), kDenoisedAlready);
+      window_.add(exr, sample);
       if (feature_list(sample) != features_ || (sample.alpha.mapping != nullptr) != has_alpha_)
         fail("{}: holds {}{}, but {} {}{}; expected the same in all samples", exr.path(),
              fmt::join(feature_list(sample), ", "), sample.alpha.mapping != nullptr ? ", alpha" : "",
              first_file_, fmt::join(features_, ", "), has_alpha_ ? ", alpha" : "");
     }
     spp_ += static_cast<int>(samples.size());
-    if (spp_ > kMaxSamples || int64_t{extent_.width} * extent_.height * spp_ > kMaxFrameSamples)
+    const Extent extent = window_.extent();
+    if (spp_ > kMaxSamples || int64_t{extent.width} * extent.height * spp_ > kMaxFrameSamples)
       fail("{}: with it the frame has {} samples a pixel of {} x {}; expected at most {} and {} in all",
-           exr.path(), spp_, extent_.width, extent_.height, kMaxSamples, kMaxFrameSamples);
+           exr.path(), spp_, extent.width, extent.height, kMaxSamples, kMaxFrameSamples);
   }
 
   void read(const std::filesystem::path& path) {
-    if (result_.frame.spp == 0) allocate();
     const ExrReader exr(path);
     const std::vector<SourceSample> samples = plan_for(exr);
+    if (result_.frame.spp == 0) allocate(exr, samples[0]);
     for (size_t i = 0; i < samples.size(); ++i) {
-      if (next_ >= spp_) fail("{}: changed while it was read; try again", exr.path());
-      require_extent(exr, samples[i], extent_, first_file_);  // it may have changed since
+      if (next_ >= spp_ || feature_list(samples[i]) != features_ ||
+          (samples[i].alpha.mapping != nullptr) != has_alpha_)
+        fail("{}: changed while it was read; try again", exr.path());
       read_sample(exr, samples[i],
                   samples.size() == 1 ? path.string() : fmt::format("{}, sample {}", path.string(), i));
     }
@@ -139,8 +115,11 @@ class FrameBuilder {
   ImportedFrame finish() {
     Frame& frame = result_.frame;
     if (next_ != frame.spp) fail("{}: changed while it was read; try again", first_file_);
+    for (const std::string& note : window_.notes()) result_.notes.push_back(note);
+    for (const std::string& feature : window_.elsewhere()) leave_out(feature);
     drop_useless_depth();
     result_.faults = sanitise(frame);
+    require_valid_sample(frame, first_file_);
     frame.info.depth_scale = median_depth(frame);
     result_.counts = converter_->counts();
     return std::move(result_);
@@ -153,7 +132,7 @@ class FrameBuilder {
     std::vector<SourceSample> samples = plan_samples(exr, mapping_, Wanted::per_sample);
     for (SourceSample& sample : samples) {
       for (size_t i = 0; i < features_.size(); ++i)
-        if (!shared_[i].empty()) {
+        if (!first_mapping_[i]->per_sample) {
           const auto at = static_cast<std::ptrdiff_t>(std::min(i, sample.features.size()));
           sample.features.insert(sample.features.begin() + at, {first_mapping_[i], {}});
         }
@@ -163,7 +142,6 @@ class FrameBuilder {
 
   void start(const ExrReader& exr, const SourceSample& sample) {
     first_file_ = exr.path();
-    extent_ = extent_of(exr, sample.features[0].channels[0].part);
     features_ = feature_list(sample);
     has_alpha_ = sample.alpha.mapping != nullptr;
     const FileViews views(exr, mapping_.view);
@@ -178,21 +156,23 @@ class FrameBuilder {
     result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all));
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
-    converter_.emplace(extent_.width, extent_.height, extent_.windows, camera_);
-    shared_.resize(features_.size());
-    for (size_t i = 0; i < features_.size(); ++i) {
-      const SourceFeature& feature = sample.features[i];
-      first_mapping_.push_back(feature.mapping);
-      if (feature.mapping->per_sample) continue;
-      require_extent(exr, {{feature}, {}}, extent_, first_file_);
-      shared_[i] = converter_->convert(*feature.mapping, read_channels(exr, feature, extent_));
-      result_.repeated.push_back(feature.mapping->feature);
-    }
+    for (const SourceFeature& feature : sample.features) first_mapping_.push_back(feature.mapping);
   }
 
-  void allocate() {
+  /// When all files have been surveyed, with the first of them.
+  void allocate(const ExrReader& exr, const SourceSample& sample) {
+    extent_ = window_.extent();
     FrameInfo info = result_.frame.info;
     info.windows = extent_.windows;
+    converter_.emplace(extent_.width, extent_.height, extent_.windows, camera_);
+    shared_.resize(features_.size());
+    if (feature_list(sample) != features_) fail("{}: changed while it was read; try again", exr.path());
+    for (size_t i = 0; i < features_.size(); ++i) {
+      const SourceFeature& feature = sample.features[i];
+      if (feature.mapping->per_sample) continue;
+      shared_[i] = read_feature(exr, feature, extent_, *converter_);
+      result_.repeated.push_back(feature.mapping->feature);
+    }
     result_.frame = Frame(extent_.width, extent_.height, spp_);
     result_.frame.info = info;
     result_.frame.features = features_;
@@ -204,16 +184,14 @@ class FrameBuilder {
     const size_t pixels = frame.plane_size();
     for (size_t i = 0; i < sample.features.size(); ++i) {
       const SourceFeature& source = sample.features[i];
-      const Planes planes = shared_[i].empty()
-                                ? converter_->convert(*source.mapping, read_channels(exr, source, extent_))
-                                : shared_[i];
+      const Planes planes = shared_[i].empty() ? read_feature(exr, source, extent_, *converter_) : shared_[i];
       const Feature& feature = find_feature(source.mapping->feature);
       for (size_t c = 0; c < planes.size(); ++c)
         std::copy(planes[c].begin(), planes[c].end(),
                   frame.plane(next_, feature.offset + static_cast<int>(c)));
     }
     if (sample.alpha.mapping != nullptr) {
-      const Planes alpha = converter_->convert(mapping_.alpha, read_channels(exr, sample.alpha, extent_));
+      const Planes alpha = read_feature(exr, sample.alpha, extent_, *converter_);
       std::copy(alpha[0].begin(), alpha[0].end(),
                 frame.alpha.begin() + static_cast<std::ptrdiff_t>(next_ * pixels));
     }
@@ -228,6 +206,15 @@ class FrameBuilder {
     ++next_;
   }
 
+  void leave_out(const std::string& name) {
+    Frame& frame = result_.frame;
+    frame.features.erase(std::find(frame.features.begin(), frame.features.end(), name));
+    const Feature& feature = find_feature(name);
+    for (int s = 0; s < frame.spp; ++s)
+      std::fill_n(frame.plane(s, feature.offset), static_cast<size_t>(feature.channels) * frame.plane_size(),
+                  0.0F);
+  }
+
   /// A pass that was never written says that all rays escaped; normals say that they did not.
   void drop_useless_depth() {
     Frame& frame = result_.frame;
@@ -240,8 +227,7 @@ class FrameBuilder {
       hit = hit || std::any_of(normal, normal + 3 * frame.plane_size(), [](float n) { return n != 0; });
     }
     if (!hit) return;
-    frame.features.erase(std::find(frame.features.begin(), frame.features.end(), "depth"));
-    for (int s = 0; s < frame.spp; ++s) std::fill_n(frame.plane(s, kDepthOffset), frame.plane_size(), 0.0F);
+    leave_out("depth");
     result_.notes.emplace_back(
         "depth left out: it says that every ray escaped, but the normals show surfaces; is the pass empty?");
   }
@@ -250,7 +236,8 @@ class FrameBuilder {
   std::optional<ViewCamera> camera_;
   bool allow_identical_;
   std::string first_file_;
-  Extent extent_;
+  FrameWindow window_;
+  Extent extent_;  // when it is known
   std::vector<std::string> features_;
   std::vector<const FeatureMapping*> first_mapping_;
   std::vector<Planes> shared_;  // converted, of the features that all samples share; else empty
@@ -272,6 +259,14 @@ ImportedFrame import_frame(const std::vector<std::filesystem::path>& files, cons
   return builder.finish();
 }
 
+void require_valid_sample(const Frame& frame, const std::string& file) {
+  if (std::all_of(frame.valid.begin(), frame.valid.end(), [](uint8_t valid) { return valid == 0; }))
+    fail(
+        "{}: nothing to see: every sample of every pixel is NaN or infinite, in radiance or alpha, or was "
+        "not drawn; render it again",
+        file);
+}
+
 ImportedPicture import_picture(const std::filesystem::path& file, const ImportMapping& mapping) {
   const ExrReader exr(file);
   ImportMapping own = mapping;
@@ -280,8 +275,9 @@ ImportedPicture import_picture(const std::filesystem::path& file, const ImportMa
   if (samples.size() != 1)
     fail("{}: holds {} samples; expected one converged picture", exr.path(), samples.size());
   const SourceSample& picture = samples[0];
-  const Extent extent = extent_of(exr, picture.features[0].channels[0].part);
-  require_extent(exr, picture, extent, "its first channel");
+  FrameWindow window;
+  window.add(exr, picture);
+  const Extent extent = window.extent();
   Converter converter(extent.width, extent.height, extent.windows, std::nullopt);
   ImportedPicture result;
   result.windows = extent.windows;
@@ -290,10 +286,12 @@ ImportedPicture import_picture(const std::filesystem::path& file, const ImportMa
   int channel = 0;
   for (const SourceFeature* source : {&picture.features[0], &picture.alpha}) {
     if (source->mapping == nullptr) continue;
-    for (const std::vector<float>& plane :
-         converter.convert(*source->mapping, read_channels(exr, *source, extent)))
+    for (const std::vector<float>& plane : read_feature(exr, *source, extent, converter))
       std::copy(plane.begin(), plane.end(), result.image.plane(channel++));
   }
+  const auto end = result.image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * result.image.plane_size());
+  if (std::none_of(result.image.pixels.begin(), end, [](float value) { return std::isfinite(value); }))
+    fail("{}: every pixel is NaN or infinite; render it again", exr.path());
   return result;
 }
 

@@ -26,17 +26,22 @@ struct ImportedFrame {
 
 /// The samples of all files, in the order of the files and in each of their numbers. `camera` may be empty;
 /// then the files' attribute worldToCamera serves. Features that the files do not hold are not in the frame.
-/// Throws Error: files of different sizes or windows, features that only some hold, two samples with the same
-/// noise (unless `allow_identical`), and what plan_samples() and Converter say.
+/// Channels are placed by the data windows of their parts (sample_window.h). Throws Error: different display
+/// windows, features that only some files hold, two samples with the same noise (unless `allow_identical`),
+/// pictures that were denoised already, no sample that is finite, and what plan_samples() and Converter say.
 ImportedFrame import_frame(const std::vector<std::filesystem::path>& files, const ImportMapping& mapping,
                            const std::optional<ViewCamera>& camera, bool allow_identical);
+
+/// Throws Error where no sample of any pixel counts: there is nothing to denoise or to learn from.
+void require_valid_sample(const Frame& frame, const std::string& file);
 
 struct ImportedPicture {
   Image image;  // R, G, B and, where the file has it, A
   Windows windows;
 };
 
-/// Radiance and alpha of a converged picture: of the mapping's view, or of a file that has no views.
+/// Radiance and alpha of a converged picture: of the mapping's view, or of a file that has no views. Throws
+/// Error where no pixel is finite.
 ImportedPicture import_picture(const std::filesystem::path& file, const ImportMapping& mapping);
 
 struct DataSetPlace {
@@ -45,8 +50,8 @@ struct DataSetPlace {
   std::optional<int64_t> sequence = {}, position = {};
 };
 
-/// Throws Error for a name or split that cannot be, and for a folder of rendered frames. For calling before
-/// work is done.
+/// Throws Error for a name or split that cannot be, and for a folder of rendered frames; UsageError where
+/// another frame has the place in the sequence. For calling before work is done.
 void check_place(const DataSetPlace& place);
 
 /// Writes frame and reference and adds them to the folder's manifest; replaces a frame of this name. Throws
