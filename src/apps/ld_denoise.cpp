@@ -2,11 +2,14 @@
 
 #include <fmt/ranges.h>
 
-#include <cstdio>
+#include <algorithm>
+#include <charconv>
 
 #include "apps/app.h"
+#include "apps/output_check.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "import/former_result.h"
 #include "import/recognise.h"
 #include "import/source_plan.h"
 #include "inference/denoise_job.h"
@@ -85,7 +88,6 @@ std::string recognised(const Options& o, const std::filesystem::path& first) {
 ld::RenderInput render_input(const Options& o, const std::filesystem::path& first) {
   ld::RenderInput render;
   render.allow_identical = o.allow_identical;
-  if (!o.preset.empty() && !o.mapping.empty()) ld::fail_command_line("expected either --preset or --mapping");
   render.preset = o.preset.empty() && o.mapping.empty() ? recognised(o, first) : o.preset;
   if (render.preset.empty() && o.mapping.empty()) return render;
   render.mapping = ld::read_mapping(render.preset, o.mapping, o.assignments);
@@ -96,11 +98,37 @@ ld::RenderInput render_input(const Options& o, const std::filesystem::path& firs
 
 std::pair<int, int> pixel_of(const std::string& text) {
   int x = -1, y = -1;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d,%d%c", &x, &y, &rest) != 2)
+  const char* const end = text.data() + text.size();
+  const auto [comma, x_error] = std::from_chars(text.data(), end, x);
+  const bool good = x_error == std::errc() && comma != end && *comma == ',';
+  const auto [stop, y_error] = std::from_chars(good ? comma + 1 : end, end, y);
+  if (!good || y_error != std::errc() || stop != end || x < 0 || y < 0)
     ld::fail_command_line("--kernel-at '{}' is no pixel; expected X,Y, counted from the upper left one",
                           text);
   return {x, y};
+}
+
+/// The view that will be read, as far as it is said before the files are looked at.
+std::string said_view(const Options& o) {
+  if (!o.view.empty()) return o.view;
+  if (!o.preset.empty() || !o.mapping.empty())
+    return ld::read_mapping(o.preset, o.mapping, o.assignments).view;
+  for (const std::string& assignment : o.assignments)
+    if (assignment.rfind("view=", 0) == 0) return assignment.substr(5);
+  return {};
+}
+
+/// The inputs without results of this program, which lie beside renders and fit their pattern: a denoised
+/// picture among the samples would count as one.
+std::vector<std::string> without_results(const Options& o, const std::vector<std::string>& inputs) {
+  const std::string view = said_view(o);
+  std::vector<std::string> kept, results;
+  for (const std::string& input : inputs)
+    (ld::is_former_result(input, view) ? results : kept).push_back(input);
+  if (kept.empty() && !results.empty()) ld::fail("{}: {}", results[0], ld::kDenoisedAlready);
+  for (const std::string& result : results)
+    spdlog::warn("{}: left out, because it is a former result: its attribute ldDenoisedBy says so", result);
+  return kept;
 }
 
 /// "common" reads samples; where renders are one picture each, of which only the mean of the samples is
@@ -123,9 +151,14 @@ std::string model_for(const Options& o, const ld::DenoiseJob& job, const std::fi
 
 ld::DenoiseJob job_of(const Options& o) {
   ld::DenoiseJob job;
+  if (!o.preset.empty() && !o.mapping.empty()) ld::fail_command_line("expected either --preset or --mapping");
+  for (const std::string& part : o.aovs)
+    if (std::count(o.aovs.begin(), o.aovs.end(), part) > 1)
+      ld::fail_command_line("--aovs: '{}' is asked for twice; expected each once", part);
+  for (const std::string& text : o.kernels_at) job.kernels_at.push_back(pixel_of(text));
   std::optional<ld::FrameRange> range;
   if (!o.frames.empty()) range = ld::parse_frame_range(o.frames);
-  const std::vector<std::string> inputs = ld::expand_names(o.inputs);
+  const std::vector<std::string> inputs = without_results(o, ld::expand_names(o.inputs));
   const std::filesystem::path first = ld::first_file(inputs, range);
   job.render = render_input(o, first);
   job.tasks = ld::plan_sequence(inputs, o.output, range, job.render.mapping.has_value());
@@ -139,7 +172,6 @@ ld::DenoiseJob job_of(const Options& o) {
   job.layers = wants("layers");
   job.contributions = wants("contributions");
   job.unfiltered = wants("unfiltered");
-  for (const std::string& text : o.kernels_at) job.kernels_at.push_back(pixel_of(text));
   return job;
 }
 
@@ -167,13 +199,17 @@ int main(int argc, char** argv) {
       "  ld_denoise --model out/run 'shot.####.exr' --frames 1:25 --output 'denoised.####.exr'");
   return app.run(argc, argv, [&] {
     const ld::DenoiseJob job = job_of(options);
-    std::vector<std::filesystem::path> outputs = {options.noisy},
+    std::vector<std::filesystem::path> outputs = {options.noisy}, to_write = {options.noisy, app.json_path()},
                                        inputs = {job.model, options.mapping, options.camera};
     for (const ld::DenoiseTask& task : job.tasks) {
       outputs.push_back(task.output);
+      if (!job.skip_existing || !std::filesystem::exists(task.output)) to_write.push_back(task.output);
       inputs.insert(inputs.end(), task.inputs.begin(), task.inputs.end());
     }
+    // Results that were left out, too: what is named is not overwritten.
+    inputs.insert(inputs.end(), options.inputs.begin(), options.inputs.end());
     app.refuse_overwriting(outputs, inputs);
+    ld::require_writable(to_write);
     ld::configure_runtime(app.threads());
     const ld::DenoiseReport report = ld::run_denoise_job(job);
     app.write_json(report.frames);

@@ -1,6 +1,7 @@
 // Weights for deployment: `ld_export --model RUN_OR_FILE --format safetensors|onnx --out FILE`.
 
 #include "apps/app.h"
+#include "apps/output_check.h"
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/log.h"
@@ -39,7 +40,7 @@ int main(int argc, char** argv) {
   options.add_option("--format", format, "safetensors, or onnx for other programs' runtimes")
       ->required()
       ->check(CLI::IsMember({"safetensors", "onnx"}));
-  options.add_option("--out", out, "file to write")->required();
+  options.add_option("--out", out, "file to write (.safetensors or .onnx, as --format says)")->required();
   options
       .add_option("--dtype", dtype,
                   "number format of the weights: f16 (half the size) or f32 (every bit) (default: f16 for "
@@ -65,6 +66,10 @@ int main(int argc, char** argv) {
 
   return app.run(argc, argv, [&] {
     if (model.empty() == untrained.empty()) ld::fail_command_line("give --model or --untrained");
+    ld::require_extension("--out", out, {format == "onnx" ? ".onnx" : ".safetensors"});
+    ld::require_extension("--check-data", check_data, {".safetensors"});
+    ld::require_extension("--card", card, {".md"});
+    ld::require_writable({out, check_data, card, app.json_path()});
     std::vector<std::filesystem::path> inputs_read = frames;
     inputs_read.insert(inputs_read.end(), {model, untrained});
     if (!model.empty()) inputs_read.push_back(ld::resolve_model(model));

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "apps/app.h"
+#include "apps/output_check.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "frame/frame_file.h"
@@ -44,9 +45,12 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--split", o.place.split, "train, validation or test")
       ->check(CLI::IsMember({"train", "validation", "test"}));
   app.add_option("--sequence", o.place.sequence,
-                 "number of the sequence that the frame belongs to (default: none)");
-  app.add_option("--position", o.place.position, "its position there, from 0 (default: none)");
-  app.add_option("--frame", o.frame, "write the frame alone to this file, without reference and manifest");
+                 "number of the sequence that the frame belongs to (default: none)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--position", o.place.position, "its position there, from 0 (default: none)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--frame", o.frame,
+                 "write the frame alone to this file (.exr), without reference and manifest");
   app.add_option("--from-hdf5", o.from_hdf5,
                  "add the frames of this HDF5 file of samples, and of --reference, to the data set --out");
   app.add_option(
@@ -69,6 +73,15 @@ void need_split(const Options& o) {
 }
 
 void check(const Options& o) {
+  if (o.place.sequence.has_value() != o.place.position.has_value())
+    ld::fail_command_line("expected both --sequence and --position, or neither");
+  if (o.place.sequence && (is_hdf5(o) || !o.frame.empty()))
+    ld::fail_command_line(
+        "--sequence and --position are places in a data set's manifest; neither HDF5 nor --frame goes with "
+        "them");
+  ld::require_extension("--frame", o.frame, {".exr"});
+  ld::require_extension("--to-hdf5", o.to_hdf5, {".h5", ".hdf5"});
+  if (!o.to_hdf5.empty()) ld::require_extension("--reference", o.reference, {".h5", ".hdf5"});
   if (is_hdf5(o)) {
     if (!o.from_hdf5.empty() && !o.to_hdf5.empty())
       ld::fail_command_line("expected either --from-hdf5 or --to-hdf5");
@@ -165,6 +178,9 @@ int main(int argc, char** argv) {
   return app.run(argc, argv, [&] {
     check(options);
     app.refuse_overwriting(outputs_of(options), inputs_of(options));
+    std::vector<std::filesystem::path> to_write = outputs_of(options);
+    to_write.emplace_back(app.json_path());
+    ld::require_writable(to_write);
     if (is_hdf5(options)) {
       const ld::Hdf5Report done = exchange_hdf5(options);
       report(options, done);
