@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 
 #include "core/checksum.h"
 #include "core/error.h"
@@ -44,6 +45,12 @@ PicturePart layer_part(const std::string& name, const Image& colour, const Image
   std::vector<std::string> channels = {"R", "G", "B"};
   if (further.channels > 0) channels.emplace_back(channel);
   return {name, std::move(planes), channels};
+}
+
+/// Whether a picture is there: neither a folder nor a name that a render farm took with an empty file.
+bool is_finished(const fs::path& output) {
+  std::error_code error;
+  return fs::is_regular_file(output, error) && fs::file_size(output, error) > 0;
 }
 
 class Run {
@@ -114,6 +121,31 @@ class Run {
       if (picture_format(task.output) != PictureFormat::exr)
         fail_usage("{} cannot hold parts for looking; expected an output with the extension .exr",
                    task.output.string());
+    check_kernels();
+  }
+
+  /// Whether the frames have the pixels; those that cannot be read are complained of in their turn.
+  void check_kernels() const {
+    std::set<std::pair<int, int>> seen;
+    for (const auto& [x, y] : job_.kernels_at)
+      if (!seen.insert({x, y}).second)
+        fail_usage("--kernel-at {},{} is asked for twice; expected every pixel once", x, y);
+    if (job_.kernels_at.empty()) return;
+    for (const DenoiseTask& task : job_.tasks) {
+      if (job_.skip_existing && is_finished(task.output)) continue;
+      std::pair<int, int> size;
+      try {
+        size = input_size(task.inputs, job_.render);
+      } catch (const UsageError&) {
+        throw;
+      } catch (const Error&) {
+        continue;
+      }
+      for (const auto& [x, y] : job_.kernels_at)
+        if (x < 0 || y < 0 || x >= size.first || y >= size.second)
+          fail_usage("--kernel-at {},{}: no pixel ({}, {}) in {}, which has {} x {}; they are counted from 0",
+                     x, y, x, y, task.inputs[0].string(), size.first, size.second);
+    }
   }
 
   /// Of the first frame: the others are alike.
@@ -176,12 +208,6 @@ class Run {
   int64_t done_ = 0;
   bool told_ = false;
 };
-
-/// Whether a picture is there: neither a folder nor a name that a render farm took with an empty file.
-bool is_finished(const fs::path& output) {
-  std::error_code error;
-  return fs::is_regular_file(output, error) && fs::file_size(output, error) > 0;
-}
 
 }  // namespace
 

@@ -10,6 +10,7 @@
 #include "frame/frame_file.h"
 #include "import/file_views.h"
 #include "import/frame_import.h"
+#include "import/sample_window.h"
 #include "import/source_plan.h"
 
 namespace ld {
@@ -115,15 +116,25 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
 
 InputFrame read_input(const std::vector<fs::path>& files, const RenderInput& render,
                       const std::vector<std::string>& features, int samples) {
-  if (render.mapping) {
-    InputFrame input = import_input(files, render, features);
-    keep_first_samples(input.frame, samples, files[0]);
-    return input;
-  }
   InputFrame input;
-  input.frame = read_frame(files[0], features, input.faults, samples);
-  input.original = original_of_frame(files[0], input.frame);
+  if (render.mapping) {
+    input = import_input(files, render, features);
+    keep_first_samples(input.frame, samples, files[0]);
+  } else {
+    input.frame = read_frame(files[0], features, input.faults, samples);
+    input.original = original_of_frame(files[0], input.frame);
+  }
+  require_valid_sample(input.frame, files[0].string());
   return input;
+}
+
+std::pair<int, int> input_size(const std::vector<fs::path>& files, const RenderInput& render) {
+  if (render.mapping) {
+    const Extent extent = extent_of_files(files, *render.mapping);
+    return {extent.width, extent.height};
+  }
+  const FrameHeader header = read_frame_header(files[0]);
+  return {header.width, header.height};
 }
 
 Image with_alpha(const Image& denoised, const Frame& frame) {

@@ -18,6 +18,7 @@
 #include "frame/frame_attributes.h"
 #include "frame/half_range.h"
 #include "frame/picture_place.h"
+#include "import/former_result.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -164,7 +165,7 @@ std::vector<std::string> write_picture(const fs::path& path, const Image& pictur
   header = header_with(picture.width, picture.height, original.windows);
   const Imath::Box2i window = header.dataWindow();
   copy_attributes(exr.header(original.part), header);
-  header.insert("ldDenoisedBy", Imf::StringAttribute(by));
+  header.insert(denoised_attribute(original.prefix), Imf::StringAttribute(by));
   header.compression() = Imf::ZIP_COMPRESSION;
   header.setType(Imf::SCANLINEIMAGE);
   header.setName("denoised");

@@ -36,8 +36,8 @@ struct PicturePart {
 /// those of its other parts in parts of their own; and its attributes, but for those that speak of samples.
 /// Channels of `part` are placed by its data window, 0 outside; of the picture's names they make way. Half
 /// floats, in which colours beyond their range become darker but keep their hue, or full ones; ZIP, no time
-/// stamps; atomic. `by` goes into the attribute ldDenoisedBy. Returns what users should know, a line each:
-/// what could not be kept. Throws Error.
+/// stamps; atomic. `by` goes into the attribute of former_result.h. Returns what users should know, a line
+/// each: what could not be kept. Throws Error.
 std::vector<std::string> write_picture(const std::filesystem::path& path, const Image& picture,
                                        const Original& original, const std::vector<PicturePart>& further,
                                        bool full_float, const std::string& by);

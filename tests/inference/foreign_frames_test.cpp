@@ -172,9 +172,10 @@ TEST_F(ForeignFrames, TwoOutputsAreNeverOneFile) {
   const std::string out = path("pair_out.exr");
   expect_failure(run({path("pair.exr"), "--output", out, "--json", out}), 2, {"are one file; expected two"});
   EXPECT_FALSE(fs::exists(out));
-  expect_failure(run_program("ld_export", {"--model", path("model.safetensors"), "--format", "safetensors",
-                                           "--out", path("m.safetensors"), "--card", path("m.safetensors")}),
-                 2, {"are one file; expected two"});
+  expect_failure(
+      run_program("ld_export", {"--model", path("model.safetensors"), "--format", "safetensors", "--out",
+                                path("m.safetensors"), "--check-data", path("m.safetensors")}),
+      2, {"are one file; expected two"});
   EXPECT_FALSE(fs::exists(path("m.safetensors")));
 }
 
@@ -215,6 +216,23 @@ TEST_F(ForeignFrames, RendersOfAShotAreNotSmearedIntoOnePicture) {
                     {colour_part("", kDisplay, float(frame))});
   expect_failure(run({path("shot/a1.exr"), path("shot/a2.exr"), "--output", path("shot")}), 2,
                  {"one picture, but the output", "####"});
+}
+
+TEST_F(ForeignFrames, PartsThatAreCroppedArePlaced) {
+  for (const bool cropped : {false, true}) {
+    const TestPart beauty = colour_part("rgba", kSamples, 1);
+    TestPart aux{"aux", cropped ? Imath::Box2i({7, 6}, {9, 8}) : kSamples, {}};
+    for (const char* colour : {"R", "G", "B"})
+      aux.channels.emplace_back(std::string("albedo.") + colour, everywhere(0.5F));
+    write_exr_parts(path("cropped.exr"), kDisplay, {beauty, aux});
+    const ProgramResult result = run({path("cropped.exr"), "--output", path("cropped_out.exr"), "--float"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_EQ(result.output.find("albedo: its data window") != std::string::npos, cropped) << result.output;
+    const ExrReader exr(path("cropped_out.exr"));
+    EXPECT_EQ(exr.header(0).dataWindow(), kSamples);
+    EXPECT_EQ(exr.header(part_of(exr, "aux")).dataWindow(), aux.window) << "kept as it is";
+    for (const float red : channel_of(exr, 0, "R")) ASSERT_NEAR(red, 1, 1e-5);
+  }
 }
 
 TEST_F(ForeignFrames, LayersAreNamedWithoutAPreset) {
