@@ -96,6 +96,13 @@ void read_attribute(ExrBytes& file, ExrRawPart& part, const std::string& name, c
     expect(bytes >= 8);
     const auto width = uint64_t{file.number<uint32_t>()}, height = uint64_t{file.number<uint32_t>()};
     expect(width <= kMaxImageSide && height <= kMaxImageSide && bytes == 8 + 4 * width * height);
+  } else if (type == "stringvector") {
+    // OpenEXR makes room for as many characters as each string claims.
+    for (const uint64_t end = file.position() + bytes; file.position() < end;) {
+      const auto length = uint64_t{file.number<uint32_t>()};
+      expect(length <= end - std::min(end, file.position()));
+      file.seek(file.position() + length);
+    }
   } else if (type == "idmanifest") {
     fail("{}: the attribute '{}' is an ID manifest, which belongs to deep data; write the file without it",
          part.where(file.path()), name);

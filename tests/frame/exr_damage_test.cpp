@@ -8,6 +8,7 @@
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
+#include <ImfStringVectorAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 #include <half.h>
@@ -238,6 +239,17 @@ TEST(DamagedExr, LyingHeadersAllocateNothing) {
   EXPECT_ERROR(read_changed("channels", "chlist", 2, 7), "channel 'B' has pixel type 7");
   EXPECT_ERROR(read_changed("channels", "chlist", 10, 0), "sampling 0 x 1");
   EXPECT_ERROR(read_changed("compression", "compression", -4, INT32_MAX), "cut short");
+}
+
+TEST(DamagedExr, AStringOfAListThatClaimsTwoGigabytesAllocatesNothing) {
+  const TemporaryFolder folder;
+  Imf::Header header(1, 1);
+  header.insert("views", Imf::StringVectorAttribute({"left", "right"}));
+  { Imf::OutputFile file((folder / "image.exr").c_str(), header); }
+  std::string bytes = read_file(folder / "image.exr");
+  overwrite(bytes, "views", "stringvector", 0, INT32_MAX);
+  write_file_atomically(folder / "lie.exr", bytes);
+  EXPECT_ERROR(read_image(folder / "lie.exr"), "the attribute 'views' is of type 'stringvector'");
 }
 
 TEST(DamagedExr, DeepDataIsRefused) {
