@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ops/check.h"
 #include "ops/weighted_sum.h"
 
 namespace ld {
@@ -10,8 +11,6 @@ namespace ld {
 using torch::Tensor;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// planes [M, C, H, W] -> [M, 4, C, ceil(H / 2), ceil(W / 2)]: the four pixels that become one; `missing`
 /// stands for those beyond an odd border.

@@ -23,5 +23,5 @@ echo "check: $(git ls-files -- '*.h' '*.cpp' | wc -l) files are formatted"
 # A compile database of its own, only configured: clang reads neither GCC's precompiled headers nor the options that come
 # with them.
 cmake -S . -B build-tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DLD_BUILD_TESTS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON \
-  -DLD_CCACHE=OFF > build-tidy.log 2>&1 || { cat build-tidy.log >&2; exit 1; }
+  -DLD_CCACHE=OFF -DLD_UNITY_BATCH=0 > build-tidy.log 2>&1 || { cat build-tidy.log >&2; exit 1; }
 scripts/lint.py build-tidy --jobs "${JOBS:-$(nproc)}" "$@"

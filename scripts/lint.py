@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over the tracked files of a compile database: lint.py BUILD_FOLDER [PATH ...] [--fast].
 
-clang-tidy takes 5 to 60 s a file, because its matchers walk every header. So a file that was found clean is not read again
-until something it depends on changes: its preprocessed text (comments included, for NOLINT), the check lists, or clang-tidy.
---fast leaves out the files whose command names LibTorch's folders.
+clang-tidy walks every header, which takes 5 to 60 s: so all files of a target are read at once (CMake's unity builds),
+and what was found clean is not read again until something it depends on changes: its preprocessed text (comments
+included, for NOLINT), the check lists, or clang-tidy. --fast leaves out what names LibTorch's folders.
 """
 import argparse
 import concurrent.futures
@@ -15,6 +15,21 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+
+
+def sources(entry):
+    """The files of ours that a command compiles: several where CMake has put them into one."""
+    if "/Unity/" not in entry["file"]:
+        return [entry["file"]]
+    return re.findall(r'^#include "(.*)"$', Path(entry["file"]).read_text(), flags=re.M)
+
+
+def unity_options(entry):
+    """What makes clang-tidy take the included files for ours; their folder's settings it does not find."""
+    if "/Unity/" not in entry["file"]:
+        return []
+    checks = ",-bugprone-suspicious-include" + (",-clang-analyzer-*" if "/tests/" in sources(entry)[0] else "")
+    return ["--checks=" + checks, r"--header-filter=(src|models|tests)/.*\.(h|cpp)$"]
 
 
 def fingerprint(entry, settings):
@@ -35,8 +50,8 @@ def lint(entry, database, stamps, settings):
     if key and (stamps / key).exists():
         return ""
     # Without OpenMP, because clang brings no omp.h and cannot read GCC's; LibTorch's headers do without.
-    result = subprocess.run(["clang-tidy", "-quiet", "-p", str(database), "--extra-arg=-fno-openmp", entry["file"]],
-                            capture_output=True, text=True)
+    result = subprocess.run(["clang-tidy", "-quiet", "-p", str(database), "--extra-arg=-fno-openmp",
+                             *unity_options(entry), entry["file"]], capture_output=True, text=True)
     if result.returncode == 0:
         if key:
             (stamps / key).touch()
@@ -57,25 +72,26 @@ def main():
     paths = {os.path.abspath(path) for path in tracked
              if not wanted or any(path == place or path.startswith(place + "/") for place in wanted)}
     entries = [entry for entry in json.loads((options.build / "compile_commands.json").read_text())
-               if entry["file"] in paths and not (options.fast and "torch/csrc" in entry["command"])]
+               if paths.intersection(sources(entry)) and not (options.fast and "torch/csrc" in entry["command"])]
     settings = subprocess.check_output(["clang-tidy", "--version"])
     settings += b"".join(Path(path).read_bytes() for path in tracked if path.endswith(".clang-tidy"))
     stamps = options.build / "clean"
     stamps.mkdir(exist_ok=True)
 
     # The same finding in a header would come once for each file that includes it.
-    shown, bad_files = set(), 0
+    shown, bad_runs = set(), 0
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         runs = [pool.submit(lint, entry, options.build, stamps, settings) for entry in entries]
         for run in concurrent.futures.as_completed(runs):
             findings = run.result()
-            bad_files += bool(findings)
+            bad_runs += bool(findings)
             for finding in re.split(r"^(?=/\S+:\d+:\d+: (?:error|warning):)", findings, flags=re.M):
                 if finding.strip() and finding not in shown:
                     shown.add(finding)
                     print(finding.rstrip(), flush=True)
-    print(f"lint: {len(entries)} files, {bad_files} with findings")
-    return 1 if bad_files else 0
+    read = sum(len(sources(entry)) for entry in entries)
+    print(f"lint: {read} files in {len(entries)} runs, {bad_runs} with findings")
+    return 1 if bad_runs else 0
 
 
 if __name__ == "__main__":

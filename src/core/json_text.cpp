@@ -44,9 +44,9 @@ class Watcher : public nlohmann::json_sax<json> {
 
  private:
   bool enter() {
-    constexpr int kDeepest = 32;
-    if (++depth_ > kDeepest)
-      fail("{}: JSON nested more than {} deep; is it the right kind of file?", name_, kDeepest);
+    constexpr int kDeepestNesting = 32;
+    if (++depth_ > kDeepestNesting)
+      fail("{}: JSON nested more than {} deep; is it the right kind of file?", name_, kDeepestNesting);
     return true;
   }
   bool leave() {

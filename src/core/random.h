@@ -26,6 +26,11 @@ inline std::array<uint32_t, 4> philox4x32(std::array<uint32_t, 4> counter, std::
   return counter;
 }
 
+/// The upper 24 bits as a number in [0, 1), so that float represents every value exactly.
+inline float to_unit(uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1p-24F;
+}
+
 /// What a stream is for. Two purposes never share a number, whatever the seed and indices.
 enum class RandomPurpose : uint32_t {
   scene = 1,          // layout, materials and camera of a random scene
@@ -51,8 +56,8 @@ class RandomStream {
     }
     return block_[static_cast<size_t>(used_++)];
   }
-  /// Uniform in [0, 1), 24 bits, so that float represents every value exactly.
-  float uniform() { return static_cast<float>(bits() >> 8) * 0x1p-24F; }
+  /// Uniform in [0, 1).
+  float uniform() { return to_unit(bits()); }
   float uniform(float low, float high) { return low + (high - low) * uniform(); }
   /// Uniform in {0, ..., count - 1}; count at least 1. Unbiased (Lemire's rejection).
   uint32_t below(uint32_t count);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace ld {
 
 std::string shown(const std::string& text, size_t most) {
@@ -20,6 +22,11 @@ std::string shown(const std::string& text, size_t most) {
       result += text[i];
   }
   return end < text.size() ? result + "..." : result;
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
 }
 
 }  // namespace ld

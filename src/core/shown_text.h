@@ -9,4 +9,7 @@ namespace ld {
 /// the first `most` bytes are shown, and "..." behind them.
 std::string shown(const std::string& text, size_t most = 80);
 
+/// A library's complaint of several lines as one.
+std::string one_line(std::string text);
+
 }  // namespace ld

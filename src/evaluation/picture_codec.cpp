@@ -13,11 +13,10 @@
 #include <vector>
 
 #include "core/error.h"
+#include "frame/half_range.h"
 
 namespace ld {
 namespace {
-
-constexpr float kHalfMax = 65504;
 
 uint16_t half_bits(float value) {
   return half(std::isfinite(value) ? std::clamp(value, -kHalfMax, kHalfMax) : value).bits();

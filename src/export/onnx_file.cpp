@@ -6,17 +6,10 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/shown_text.h"
 
 namespace ld {
-namespace {
-
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (c == '\n') c = ' ';
-  return text;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::string onnx_bytes(const onnx::ModelProto& model) {
   if (model.ByteSizeLong() > size_t{std::numeric_limits<int>::max()})

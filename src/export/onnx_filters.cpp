@@ -1,13 +1,8 @@
 #include "export/onnx_filters.h"
 
-#include <limits>
-
 namespace ld {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// What logits are bounded by (ops/composition.cpp): sums of a few of them stay finite.
-constexpr float kLargestLogit = std::numeric_limits<float>::max() / 4;
 // Values are summed as 2^-20 of themselves, so that no sum overflows (ops/finite_sources.cpp).
 constexpr float kScale = 1.0F / (1 << 20);
 

@@ -3,16 +3,15 @@
 #include <cmath>
 #include <limits>
 
+#include "export/onnx_filters.h"
 #include "frame/schema.h"
 #include "models/demodulation_range.h"
 
 namespace ld {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kLargestFeature = 65504;  // models/network_input.cpp
-constexpr float kLargestLogit = kLargest / 4;
 
 /// Leaky ReLU as everywhere in [MH20].
 Value activated(OnnxGraph& g, const Value& x) {

@@ -1,7 +1,5 @@
 #include "export/onnx_network.h"
 
-#include <limits>
-
 #include "core/error.h"
 #include "export/onnx_filters.h"
 #include "export/onnx_modules.h"
@@ -10,8 +8,6 @@
 
 namespace ld {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// models/sample_reducer.h.
 Value reduce_samples(OnnxGraph& g, const NetworkConfig& config, const Value& features) {

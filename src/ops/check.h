@@ -4,10 +4,12 @@
 #include <torch/torch.h>
 
 #include <initializer_list>
+#include <limits>
 
 namespace ld {
 
 constexpr int64_t kAnySize = -1;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Throws Error unless `tensor` is a defined tensor of the `expected` sizes (kAnySize fits all) with the
 /// type of `like`. `what` names it ("kernel_splat: logits"), `layout` spells its axes ("[B, N, K*K, H, W]").

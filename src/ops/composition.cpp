@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ops/check.h"
+
 namespace ld {
 namespace {
 
@@ -10,8 +12,6 @@ using torch::Tensor;
 
 thread_local bool compose = false;
 thread_local Taps taps_taken = Taps::at_once;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The lowest value that logits count as: differences and sums of a few of them stay finite.
 double lowest_logit(torch::ScalarType type) {

@@ -3,13 +3,14 @@
 #include <cmath>
 #include <limits>
 
+#include "ops/check.h"
+
 namespace ld {
 
 using torch::Tensor;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Above this the 31 * 31 taps of 1024 layers of float32 values could overflow a sum (10^38 / 10^6); a scene
 // that has no such value is not touched, so that scaling it by a power of two changes no bit.
 constexpr double kLargestValue = 1e32;

@@ -23,13 +23,13 @@ constexpr int64_t kBackwardFloats = 524288;  // of a tile with its gradients: th
 constexpr int64_t kBackwardPixels = 768;     // more would not make its sums over pixels any cheaper
 
 /// The arguments with pixels flattened: x [B, S, X, P], shared [B, Y, P] or undefined.
-struct Problem {
+struct TiledArguments {
   Tensor x, shared;
   TileNetwork network;
   int64_t tile;
 
-  Problem(Tensor x_in, Tensor shared_in, const variable_list& weights, const variable_list& biases,
-          TileNetwork::Last last, bool backward)
+  TiledArguments(Tensor x_in, Tensor shared_in, const variable_list& weights, const variable_list& biases,
+                 TileNetwork::Last last, bool backward)
       : x(std::move(x_in)),
         shared(std::move(shared_in)),
         network(tile_network(weights, biases, x.size(2), last, backward)) {
@@ -46,7 +46,7 @@ struct Problem {
 /// The pixels of one item of work, and the planes of tensors at them.
 struct Tile {
   int64_t b, begin, count;
-  Tile(const Problem& problem, int64_t item)
+  Tile(const TiledArguments& problem, int64_t item)
       : b(item / problem.tiles()),
         begin(item % problem.tiles() * problem.tile),
         count(std::min(problem.tile, problem.x.size(3) - begin)) {}
@@ -55,14 +55,14 @@ struct Tile {
   float* of(const Tensor& t, int64_t s) const { return of(t) + s * t.stride(1); }
 };
 
-void stage_shared(const Problem& problem, const Tile& tile, TileNetwork::Scratch& scratch) {
+void stage_shared(const TiledArguments& problem, const Tile& tile, TileNetwork::Scratch& scratch) {
   if (problem.shared.defined())
     stage({tile.of(problem.shared), problem.shared.size(1), problem.shared.size(2)}, tile.count,
           scratch.shared, scratch.pitch);
   problem.network.begin_tile(scratch, tile.count);
 }
 
-void stage_sample(const Problem& problem, const Tile& tile, int64_t s, TileNetwork::Scratch& scratch) {
+void stage_sample(const TiledArguments& problem, const Tile& tile, int64_t s, TileNetwork::Scratch& scratch) {
   stage({tile.of(problem.x, s), problem.x.size(2), problem.x.size(3)}, tile.count, scratch.x, scratch.pitch);
 }
 
@@ -91,8 +91,8 @@ class FullyConnected : public torch::autograd::Function<FullyConnected> {
     context->save_for_backward(to_save);
     context->saved_data["activate_last"] = activate_last;
     context->saved_data["bound"] = bound;
-    const Problem problem(x, shared.value_or(Tensor()), weights.vec(), biases.vec(),
-                          {activate_last, float(bound)}, false);
+    const TiledArguments problem(x, shared.value_or(Tensor()), weights.vec(), biases.vec(),
+                                 {activate_last, float(bound)}, false);
     const TileNetwork& network = problem.network;
     const Tensor out = at::empty({x.size(0), x.size(1), network.outputs(), x.size(3)}, x.options());
     at::parallel_for(0, problem.items(), 1, [&](int64_t first, int64_t last) {
@@ -117,7 +117,7 @@ class FullyConnected : public torch::autograd::Function<FullyConnected> {
     const variable_list biases(saved.begin() + 2 + count, saved.end());
     const TileNetwork::Last ending = {context->saved_data["activate_last"].toBool(),
                                       float(context->saved_data["bound"].toDouble())};
-    const Problem problem(saved[0], saved[1], weights, biases, ending, true);
+    const TiledArguments problem(saved[0], saved[1], weights, biases, ending, true);
     const Tensor gradient = gradients[0].contiguous();
     Tensor x_gradient, shared_gradient;
     if (problem.x.requires_grad()) x_gradient = at::empty_like(problem.x);
@@ -152,7 +152,7 @@ class FullyConnected : public torch::autograd::Function<FullyConnected> {
 
  private:
   /// Through all samples of a tile; x_gradient and shared_gradient may be undefined where not needed.
-  static void tile_backward(const Problem& problem, const Tile& tile, const Tensor& gradient,
+  static void tile_backward(const TiledArguments& problem, const Tile& tile, const Tensor& gradient,
                             const Tensor& x_gradient, const Tensor& shared_gradient,
                             const TileNetwork::Sums& sums, TileNetwork::Scratch& scratch) {
     const TileNetwork& network = problem.network;

@@ -17,7 +17,7 @@ using torch::autograd::variable_list;
 constexpr int64_t kStripRows =
     32;  // of a partial sum of the values' gradient; fixed, so threads change no bit
 
-FilterShape filter_shape(const Tensor& logits, const Tensor& values) {
+FilterShape gather_shape(const Tensor& logits, const Tensor& values) {
   return {1, expect_odd_kernel("kernel_gather", logits.size(1)), values.size(1), values.size(2),
           values.size(3)};
 }
@@ -31,7 +31,7 @@ class KernelGather : public torch::autograd::Function<KernelGather> {
  public:
   static Tensor forward(AutogradContext* context, const Tensor& logits, const Tensor& log_n,
                         const Tensor& values, bool keep) {
-    const FilterShape shape = filter_shape(logits, values);
+    const FilterShape shape = gather_shape(logits, values);
     const Tensor out = at::empty_like(values);
     const Tensor totals =
         keep ? at::empty({values.size(0), 2, shape.height, shape.width}, values.options()) : Tensor();
@@ -50,7 +50,7 @@ class KernelGather : public torch::autograd::Function<KernelGather> {
     const variable_list saved = context->get_saved_variables();
     const Tensor &logits = saved[0], &values = saved[2];
     const Tensor gradient = bounded_gradient(gradients[0], values);
-    const FilterShape shape = filter_shape(logits, values);
+    const FilterShape shape = gather_shape(logits, values);
     const Tensor logits_gradient = at::empty_like(logits);
     Tensor values_gradient;
     if (values.requires_grad()) values_gradient = at::empty_like(values);

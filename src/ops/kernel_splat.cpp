@@ -12,7 +12,7 @@ using torch::Tensor;
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
-FilterShape filter_shape(const Tensor& logits, const Tensor& values) {
+FilterShape splat_shape(const Tensor& logits, const Tensor& values) {
   return {logits.size(1), expect_odd_kernel("kernel_splat", logits.size(2)), values.size(2), values.size(3),
           values.size(4)};
 }
@@ -27,7 +27,7 @@ class KernelSplat : public torch::autograd::Function<KernelSplat> {
  public:
   static Tensor forward(AutogradContext* context, const Tensor& logits, const Tensor& log_n,
                         const Tensor& values, bool joint, bool keep) {
-    const FilterShape shape = filter_shape(logits, values);
+    const FilterShape shape = splat_shape(logits, values);
     const int64_t batch = logits.size(0), layers = joint ? 1 : shape.layers;
     const auto empty = [&](int64_t planes) {
       return at::empty({batch, planes, shape.height, shape.width}, values.options());
@@ -55,7 +55,7 @@ class KernelSplat : public torch::autograd::Function<KernelSplat> {
                  &largest = saved[4], &inverse = saved[5];
     const bool joint = context->saved_data["joint"].toBool();
     const Tensor gradient = bounded_gradient(gradients[0], values);
-    const FilterShape shape = filter_shape(logits, values);
+    const FilterShape shape = splat_shape(logits, values);
     const int64_t batch = logits.size(0), layers = joint ? 1 : shape.layers;
     const Tensor logits_gradient = at::empty_like(logits), log_n_gradient = at::empty_like(log_n),
                  values_gradient = at::empty_like(values);

@@ -15,11 +15,11 @@ using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
 /// The arguments, contiguous.
-struct Problem {
+struct PartitionArguments {
   Tensor logits, valid, radiance, embedding;
   PartitionShape shape;
 
-  Problem(const Tensor& z, const Tensor& v, const Tensor& r, const Tensor& e, bool alpha)
+  PartitionArguments(const Tensor& z, const Tensor& v, const Tensor& r, const Tensor& e, bool alpha)
       : logits(z.contiguous()),
         valid(v.contiguous()),
         radiance(r.contiguous()),
@@ -52,7 +52,7 @@ class SamplePartition : public torch::autograd::Function<SamplePartition> {
   /// {log_n, radiance, opacity, embedding} and, for alpha, transmittance.
   static variable_list forward(AutogradContext* context, const Tensor& logits, const Tensor& valid,
                                const Tensor& radiance, const Tensor& embedding, bool alpha) {
-    const Problem problem(logits, valid, radiance, embedding, alpha);
+    const PartitionArguments problem(logits, valid, radiance, embedding, alpha);
     context->save_for_backward({problem.logits, problem.valid, problem.radiance, problem.embedding});
     context->saved_data["alpha"] = alpha;
     context->set_materialize_grads(false);
@@ -72,7 +72,7 @@ class SamplePartition : public torch::autograd::Function<SamplePartition> {
   static variable_list backward(AutogradContext* context, variable_list gradients) {
     const variable_list saved = context->get_saved_variables();
     const bool alpha = context->saved_data["alpha"].toBool();
-    const Problem problem(saved[0], saved[1], saved[2], saved[3], alpha);
+    const PartitionArguments problem(saved[0], saved[1], saved[2], saved[3], alpha);
     for (Tensor& gradient : gradients)
       if (gradient.defined()) gradient = gradient.contiguous();
     Tensor radiance_gradient, embedding_gradient;

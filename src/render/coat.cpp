@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/random.h"
 #include "render/microfacet.h"
 
 namespace ld {
@@ -41,8 +42,7 @@ float reflected(float cos, float alpha, float ior) {
   // bits of it.
   uint32_t u = 0x80000000U, v = 0x80000000U;
   for (int i = 0; i < kPoints; ++i, u += 0xC13FA9A9U, v += 0x91E10DA5U) {
-    const Vec3 m = sample_ggx_visible_normal(wo, alpha, static_cast<float>(u >> 8) * 0x1p-24F,
-                                             static_cast<float>(v >> 8) * 0x1p-24F);
+    const Vec3 m = sample_ggx_visible_normal(wo, alpha, to_unit(u), to_unit(v));
     const Vec3 wi = m * (2 * dot(wo, m)) - wo;
     if (wi.z > 0) sum += fresnel_dielectric(dot(wo, m), ior) * ggx_masking(wi, alpha);
   }

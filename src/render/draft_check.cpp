@@ -10,7 +10,7 @@
 namespace ld {
 namespace {
 
-constexpr int kGrid = 24, kPaths = 4, kAll = kGrid * kGrid * kPaths;
+constexpr int kDraftGrid = 24, kPaths = 4, kAll = kDraftGrid * kDraftGrid * kPaths;
 
 /// What the camera rays meet first.
 struct FirstHits {
@@ -18,7 +18,7 @@ struct FirstHits {
   std::map<int, int> objects;  // how often each was met
 };
 
-struct Picture {
+struct Draft {
   FirstHits hits;
   std::vector<float> luminances;  // sorted
   float share(float quantile) const {
@@ -47,15 +47,15 @@ void count_hit(const PreparedScene& scene, const Ray& ray, float time, float dep
   }
 }
 
-Picture take_picture(const PreparedScene& scene, SampleNumbers numbers) {
+Draft take_picture(const PreparedScene& scene, SampleNumbers numbers) {
   const Camera& camera = scene.scene().camera;
-  Picture picture;
-  for (int j = 0; j < kGrid; ++j)
-    for (int i = 0; i < kGrid; ++i) {
+  Draft picture;
+  for (int j = 0; j < kDraftGrid; ++j)
+    for (int i = 0; i < kDraftGrid; ++i) {
       float sum = 0;
       for (int k = 0; k < kPaths; ++k) {
-        const CameraSample where =
-            draw_camera_sample(camera, i * camera.width / kGrid, j * camera.height / kGrid, numbers);
+        const CameraSample where = draw_camera_sample(camera, i * camera.width / kDraftGrid,
+                                                      j * camera.height / kDraftGrid, numbers);
         const Camera now = camera.at(where.time);
         const Ray ray = now.ray(where);
         count_hit(scene, ray, where.time, -dot(ray.direction, now.axes.z), picture.hits);
@@ -67,7 +67,7 @@ Picture take_picture(const PreparedScene& scene, SampleNumbers numbers) {
   return picture;
 }
 
-DraftFault fault_of(const Picture& picture, float exposure) {
+DraftFault fault_of(const Draft& picture, float exposure) {
   const FirstHits& hits = picture.hits;
   if (hits.near > kAll / 8) return DraftFault::too_close;
   if (hits.inside > kAll / 50) return DraftFault::inside;
@@ -113,7 +113,7 @@ const char* fault_name(DraftFault fault) {
 DraftLook look_at_draft(const PreparedScene& scene, float target, uint64_t seed, uint32_t frame,
                         uint32_t attempt) {
   const SampleNumbers numbers(RandomStream(seed, RandomPurpose::scene, frame, attempt, kPilotStream));
-  const Picture picture = take_picture(scene, numbers);
+  const Draft picture = take_picture(scene, numbers);
   DraftLook look;
   const float middle = picture.share(0.5F), bright = picture.share(0.9F);
   if (middle > 0) look.exposure = target / middle;

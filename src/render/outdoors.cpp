@@ -10,8 +10,6 @@
 namespace ld {
 namespace {
 
-constexpr Vec3 kX = {1, 0, 0}, kY = {0, 1, 0}, kZ = {0, 0, 1};
-
 /// The plain out to the horizon, `depth` below what lies nearer.
 void add_plain(SceneBuilder& builder, int material, float depth) {
   builder.add(placed(make_ground(2000, 1, 0, 1, 0), grey(1), {}, {0, -depth, 0}), material);

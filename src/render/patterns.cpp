@@ -1,5 +1,6 @@
 #include "render/patterns.h"
 
+#include "core/random.h"
 #include "render/noise.h"
 
 namespace ld {
@@ -7,10 +8,6 @@ namespace {
 
 float fraction(float x) {
   return x - static_cast<float>(floor_to_int(x));
-}
-
-float to_unit(uint32_t hash) {
-  return static_cast<float>(hash >> 8) * 0x1p-24F;
 }
 
 float checker(Vec3 p) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/random.h"
 
 namespace ld {
 namespace {
@@ -32,7 +33,7 @@ float hashed_choice(Vec3 direction, float distance, uint32_t salt) {
   }
   h = (h ^ (h >> 15)) * 0x85EBCA77U;
   h = (h ^ (h >> 13)) * 0xC2B2AE3DU;
-  return static_cast<float>((h ^ (h >> 16)) >> 8) * 0x1p-24F;
+  return to_unit(h ^ (h >> 16));
 }
 
 }  // namespace

@@ -188,4 +188,9 @@ void scale_environment(Scene& scene, float factor) {
   for (SkyPatch& patch : scene.sky->patches) patch.radiance *= factor;
 }
 
+void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest) {
+  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.18F, largest}};
+  builder.ceiling = 0.9F * height;
+}
+
 }  // namespace ld

@@ -48,6 +48,8 @@ void hang(SceneBuilder& builder, const Wall& wall, float s, float t, Model model
 /// Lets things stand on the model placed last.
 void make_spot(SceneBuilder& builder, float smallest, float largest);
 void make_spot(SceneBuilder& builder, Vec3 low, Vec3 high, float smallest, float largest);
+/// Lets things up to the size `largest` stand on the floor of the room of the size 2 * half.
+void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest);
 
 /// A camera within `region` that looks at something in it across some distance, at no thing's inside. `fov`
 /// between the two.

@@ -8,16 +8,9 @@
 namespace ld {
 namespace {
 
-constexpr Vec3 kX = {1, 0, 0}, kY = {0, 1, 0}, kZ = {0, 0, 1};
-
 void add_floor_and_ceiling(SceneBuilder& builder, const std::array<Wall, 6>& walls) {
   add_wall(builder, walls[kFloor], {}, add_wall_material(builder, WallKind::floor, kZ, kX));
   add_wall(builder, walls[kCeiling], {}, add_wall_material(builder, WallKind::ceiling, kX, kZ));
-}
-
-void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest) {
-  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.18F, largest}};
-  builder.ceiling = 0.9F * height;
 }
 
 /// Lamps at the ceiling, as many as `count`, together as bright as the room needs.

@@ -6,17 +6,6 @@
 #include "render/shapes/shapes.h"
 
 namespace ld {
-namespace {
-
-constexpr Vec3 kX = {1, 0, 0}, kY = {0, 1, 0}, kZ = {0, 0, 1};
-
-void set_floor_spot(SceneBuilder& builder, Vec3 half, float height, float largest) {
-  builder.spots = {{{-half.x, 0, -half.z}, {half.x, 0, half.z}, 0.18F, largest}};
-  builder.ceiling = 0.9F * height;
-}
-
-}  // namespace
-
 void build_office(SceneBuilder& builder, int count) {
   RandomStream& random = builder.random;
   const Vec3 half = {random.uniform(2.8F, 4.5F), 0, random.uniform(2.5F, 3.8F)};

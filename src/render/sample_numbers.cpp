@@ -39,10 +39,6 @@ uint32_t sobol_second_reversed(uint32_t index) {
   return index ^ ((index & 0xAAAAAAAAU) >> 1);
 }
 
-float to_unit(uint32_t bits) {
-  return static_cast<float>(bits >> 8) * 0x1p-24F;
-}
-
 }  // namespace
 
 Vec2 SampleNumbers::two() {

@@ -10,6 +10,7 @@
 #include <assimp/Importer.hpp>
 
 #include "core/error.h"
+#include "core/shown_text.h"
 #include "render/scene_file_materials.h"
 #include "render/scene_file_nodes.h"
 
@@ -32,11 +33,6 @@ class PatchedFile : public Assimp::DefaultIOSystem {
   std::string path_;
   const std::string& bytes_;
 };
-
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
 
 const aiScene& import(Assimp::Importer& importer, const fs::path& path, const std::string& patched) {
   if (!fs::is_regular_file(path))

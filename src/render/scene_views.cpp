@@ -9,7 +9,7 @@ namespace ld {
 namespace {
 
 // Index c of RandomStream(seed, scene, frame, attempt, c): beyond those of random scenes.
-constexpr uint32_t kViewStream = 16, kExposureStream = 17;
+constexpr uint32_t kViewStream = 16, kViewExposureStream = 17;
 constexpr uint32_t kAttempts = 32;
 
 float degrees(double angle) {
@@ -205,7 +205,7 @@ void furnish(Scene& scene, const SceneFile& file, const SceneFileConfig& config,
 
 float automatic_exposure(const PreparedScene& scene, const Camera& camera, uint64_t seed) {
   constexpr int kGrid = 16, kPaths = 8;
-  SampleNumbers numbers(RandomStream(seed, RandomPurpose::scene, 0, 0, kExposureStream));
+  SampleNumbers numbers(RandomStream(seed, RandomPurpose::scene, 0, 0, kViewExposureStream));
   std::vector<float> luminances;
   for (int j = 0; j < kGrid; ++j)
     for (int i = 0; i < kGrid; ++i) {

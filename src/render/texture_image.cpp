@@ -6,18 +6,13 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/shown_text.h"
 #include "core/tone_map.h"
 
 namespace ld {
 namespace {
 
 constexpr int kMaxSide = 16384;
-
-/// OpenImageIO's complaints may have several lines.
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
 
 std::shared_ptr<const TextureImage> read_open(OIIO::ImageInput& input, const std::string& name,
                                               TextureUse use) {

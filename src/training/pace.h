@@ -1,6 +1,7 @@
 // How many steps there is time for: a run with run.minutes has a schedule that ends when the time does.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -25,6 +26,11 @@ int64_t steps_within(const Pace& pace, double seconds);
 /// Mean of the middle half of at least one measurement: neither what happened once beside nor the turns in
 /// which a loader delivers decide.
 double typical(std::vector<double> seconds);
+
+/// Since a moment of the clock that does not jump.
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 /// One line for people.
 std::string pace_text(const Pace& pace, double minutes, int64_t steps);

@@ -19,10 +19,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 /// The configuration with its features, the same on all processes.
 TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, ProcessGroup& group) {
   check_optimizer(config.optimizer);

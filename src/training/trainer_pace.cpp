@@ -17,10 +17,6 @@ constexpr int64_t kLeastSteps = 5;  // with those
 constexpr int64_t kMostSteps = 32;
 constexpr double kShare = 0.02;  // of the time there is, for each of three measurements
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 }  // namespace
 
 /// Collective. True steps on a copy of the network, at a rate of 0; so neither weights nor moments know of

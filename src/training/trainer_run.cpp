@@ -19,7 +19,7 @@
 namespace ld {
 namespace {
 
-constexpr double kMegabyte = 1e6;
+constexpr double kBytesPerMegabyte = 1e6;
 
 /// Pauses before the last checkpoint is tried again, seconds.
 constexpr double kPauses[] = {0.25, 1, 2};
@@ -111,7 +111,7 @@ void Trainer::announce() {
   if (!validation_.empty()) plan.validations = (plan.steps - 1) / config_.run.validate_every + 1;
   plan.validation_pixels = validation_.pixels() / group_.size();
   plan.checkpoint_bytes = checkpoint_bytes(*network_, optimizer_.average());
-  plan.state_megabytes = static_cast<double>(plan.checkpoint_bytes) / kMegabyte;
+  plan.state_megabytes = static_cast<double>(plan.checkpoint_bytes) / kBytesPerMegabyte;
   plan.max_minutes = config_.run.max_minutes;
   plan.checkpoints = config_.run.keep + 2;  // the best, and the one being written
   plan.free_bytes = std::filesystem::space(run_).available;

@@ -7,6 +7,8 @@
 
 #include "test_frames.h"
 
+#include "tests/support/special_values.h"
+
 namespace ld {
 namespace {
 
@@ -43,7 +45,6 @@ TEST(Comparison, PairsTheFramesSoThatTheirDifficultyCancels) {
 }
 
 TEST(Comparison, FramesWithoutAScoreCountAsWorseAndLeaveNoInterval) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Evaluation evaluation;
   evaluation.methods = {scores("a", {1, 2, 3}), scores("b", {1, kNan, 4})};
   const Comparison comparison = compare_with(evaluation, evaluation.methods[0]);

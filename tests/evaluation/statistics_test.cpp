@@ -7,11 +7,10 @@
 
 #include "core/random.h"
 
+#include "tests/support/special_values.h"
+
 namespace ld {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Statistics, StudentsLimitsAreThoseOfTheTables) {
   // Two-sided 95 %, as printed in Abramowitz and Stegun, table 26.10.
@@ -30,7 +29,7 @@ TEST(Statistics, IntervalsOfMeans) {
   const auto constant = mean_interval({7, 7, 7});
   EXPECT_EQ(constant->low, 7);
   EXPECT_EQ(constant->high, 7);
-  for (const std::vector<double>& values : {std::vector<double>{}, {1}, {1, kNan, 2}, {1, 2, kInfinity}})
+  for (const std::vector<double>& values : {std::vector<double>{}, {1}, {1, kNan, 2}, {1, 2, kInfinite}})
     EXPECT_FALSE(mean_interval(values));
 }
 
@@ -103,7 +102,7 @@ TEST(Statistics, ManyDifferencesTakeTheNormalApproximation) {
 }
 
 TEST(Statistics, NothingToRankHasNoP) {
-  for (const std::vector<double>& values : {std::vector<double>{}, {0, 0}, {1, kNan}, {kInfinity, 1}})
+  for (const std::vector<double>& values : {std::vector<double>{}, {0, 0}, {1, kNan}, {kInfinite, 1}})
     EXPECT_FALSE(signed_rank_p(values));
 }
 

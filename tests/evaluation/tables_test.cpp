@@ -5,11 +5,10 @@
 #include <limits>
 #include <sstream>
 
+#include "tests/support/special_values.h"
+
 namespace ld {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Evaluation example() {
   Evaluation evaluation;
@@ -23,7 +22,7 @@ Evaluation example() {
   evaluation.methods[1].frames = {{"f0", {0.125, 0.1, 0.6, 25}, 0, {}}, {"f1", {0.25, 0.2, 0.8, 35}, 0, {}}};
   evaluation.methods[1].sigmas = {2, 1, 0.5, 8};
   evaluation.methods[2].name = "a|b, \"c\"";
-  evaluation.methods[2].frames = {{"f0", {4.3e13, 0.00001, 1, kInfinity}, 0, 0.5},
+  evaluation.methods[2].frames = {{"f0", {4.3e13, 0.00001, 1, kInfinite}, 0, 0.5},
                                   {"f1", {kNan, kNan, kNan, kNan}, 7, 1.5}};
   return evaluation;
 }
@@ -116,7 +115,7 @@ TEST(Tables, TheFloorStandsBelowTheMethods) {
   Evaluation evaluation = example();
   evaluation.floor =
       MethodScores{"reference's floor",
-                   {{"f0", {0.001, 0.01, 0.99, 50}, 0, {}}, {"f1", {0.003, 0.01, 0.99, kInfinity}, 0, {}}},
+                   {{"f0", {0.001, 0.01, 0.99, 50}, 0, {}}, {"f1", {0.003, 0.01, 0.99, kInfinite}, 0, {}}},
                    {}};
   const std::vector<std::string> means = lines(markdown_means(evaluation));
   EXPECT_EQ(means[5].substr(0, 39), "| reference's floor | 0.0020 | 0.0100 |");

@@ -7,18 +7,18 @@
 #include "frame/frame_pair.h"
 #include "import/frame_import.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/exr_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kFixtures = fs::path(LD_SOURCE_DIR) / "tests/fixtures/import";
 
 std::vector<fs::path> samples(const std::string& renderer, int count) {
   std::vector<fs::path> files;
   for (int s = 0; s < count; ++s)
-    files.push_back(kFixtures / renderer / ("sample_0" + std::to_string(s) + ".exr"));
+    files.push_back(kImportFixtures / renderer / ("sample_0" + std::to_string(s) + ".exr"));
   return files;
 }
 
@@ -26,7 +26,7 @@ ImportedFrame import_with(const std::string& preset, const std::vector<fs::path>
                           const std::vector<std::string>& assignments = {}) {
   const std::string folder = preset == "mitsuba" ? "mitsuba" : "cycles";
   return import_frame(files, read_mapping(preset, "", assignments),
-                      read_camera(kFixtures / folder / "camera.yaml"), false);
+                      read_camera(kImportFixtures / folder / "camera.yaml"), false);
 }
 
 struct Expected {
@@ -85,21 +85,22 @@ TEST(CyclesPreset, FindsTheSceneThatWasRendered) {
 }
 
 TEST(CyclesPreset, VectorsLeadToThePreviousFrame) {
-  const Frame frame = import_with("cycles", {kFixtures / "cycles/moving.exr"}).frame;
+  const Frame frame = import_with("cycles", {kImportFixtures / "cycles/moving.exr"}).frame;
   // The metal sphere moves right and up by (0.6161, 0.3696) pixels a frame.
   expect_near(values(frame, 0, "flow", kMetal.x, kMetal.y), {-0.6161F, 0.3696F}, 1e-3F);
   expect_near(values(frame, 0, "flow", kPlane.x, kPlane.y), {0, 0}, 1e-3F);
 }
 
 TEST(CyclesPreset, WhatAFileLacksIsAbsent) {
-  const Frame frame = import_with("cycles", {kFixtures / "cycles/no_vector.exr"}).frame;
+  const Frame frame = import_with("cycles", {kImportFixtures / "cycles/no_vector.exr"}).frame;
   EXPECT_EQ(frame.features, (std::vector<std::string>{"radiance", "normal", "depth", "albedo", "specular"}));
-  EXPECT_ERROR(import_with("cycles", {kFixtures / "cycles/moving.exr", kFixtures / "cycles/no_vector.exr"}),
+  EXPECT_ERROR(import_with("cycles",
+                           {kImportFixtures / "cycles/moving.exr", kImportFixtures / "cycles/no_vector.exr"}),
                "expected the same in all samples");
 }
 
 TEST(CyclesPreset, AlphaOfATransparentFilm) {
-  const Frame frame = import_with("cycles", {kFixtures / "cycles/transparent_sky.exr"}).frame;
+  const Frame frame = import_with("cycles", {kImportFixtures / "cycles/transparent_sky.exr"}).frame;
   ASSERT_EQ(frame.alpha.size(), 192u);
   EXPECT_EQ(frame.alpha[kSky], 0);
   EXPECT_EQ(frame.alpha[static_cast<size_t>(kPlane.y) * 16 + kPlane.x], 1);
@@ -107,7 +108,7 @@ TEST(CyclesPreset, AlphaOfATransparentFilm) {
 }
 
 TEST(CyclesPreset, HalfFloatsAndPartsForPassesHoldTheSame) {
-  const Frame half_floats = import_with("cycles", {kFixtures / "cycles/half.exr"}).frame;
+  const Frame half_floats = import_with("cycles", {kImportFixtures / "cycles/half.exr"}).frame;
   const ImportedFrame blender5 = import_with("cycles", samples("cycles5", 2));
   EXPECT_EQ(blender5.frame.features,
             (std::vector<std::string>{"radiance", "normal", "depth", "albedo", "specular", "flow"}));
@@ -155,7 +156,7 @@ TEST(Presets, ADataSetThatIsReadBack) {
   const TemporaryFolder folder;
   const DataSetPlace place{folder / "data", "shot/0001", "validation", 3, 1};
   const ImportMapping mapping = read_mapping("cycles", "", {});
-  const ImportedPicture reference = import_picture(kFixtures / "cycles/reference.exr", mapping);
+  const ImportedPicture reference = import_picture(kImportFixtures / "cycles/reference.exr", mapping);
   EXPECT_EQ(reference.image.channels, 4);
   check_place(place);
   const Frame frame = import_with("cycles", samples("cycles", 4)).frame;
@@ -171,7 +172,7 @@ TEST(Presets, ADataSetThatIsReadBack) {
   expect_surface(pair.frame, 2, kPlane, 3e-3F);
   EXPECT_NEAR(pair.reference.image.at(2, 14, 6), 1.5F, 1e-2F);
 
-  ImportedPicture sample = import_picture(kFixtures / "cycles/sample_02.exr", mapping);
+  ImportedPicture sample = import_picture(kImportFixtures / "cycles/sample_02.exr", mapping);
   EXPECT_ERROR(add_to_data_set(place, frame, sample), "sample 2 is the reference itself");
   sample.image = Image(16, 11, 3);
   EXPECT_ERROR(add_to_data_set(place, frame, sample), "16 x 12 pixels and the reference 16 x 11");
@@ -182,9 +183,9 @@ TEST(Presets, ADataSetThatIsReadBack) {
 }
 
 TEST(Presets, Complaints) {
-  const std::vector<fs::path> twice = {kFixtures / "mitsuba/sample_00.exr",
-                                       kFixtures / "mitsuba/sample_01.exr",
-                                       kFixtures / "mitsuba/sample_00.exr"};
+  const std::vector<fs::path> twice = {kImportFixtures / "mitsuba/sample_00.exr",
+                                       kImportFixtures / "mitsuba/sample_01.exr",
+                                       kImportFixtures / "mitsuba/sample_00.exr"};
   const std::string text = error_text([&] { import_with("mitsuba", twice); });
   EXPECT_NE(text.find("sample_00.exr and "), std::string::npos) << text;
   EXPECT_NE(text.find("the same noise twice"), std::string::npos) << text;

@@ -15,19 +15,9 @@ namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kFixtures = fs::path(LD_SOURCE_DIR) / "tests/fixtures/import";
 const Imath::Box2i kWindow({0, 0}, {3, 2});
 
-using Channels = std::vector<std::pair<std::string, std::function<float(int, int)>>>;
-
-/// Channels PREFIX.R, G and B of one value.
-Channels colour(const std::string& prefix, float value) {
-  Channels channels;
-  for (const char* name : {"R", "G", "B"}) channels.emplace_back(prefix + name, everywhere(value));
-  return channels;
-}
-
-Channels operator+(Channels a, const Channels& b) {
+TestChannels operator+(TestChannels a, const TestChannels& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
@@ -50,7 +40,7 @@ float value(const Frame& frame, const std::string& feature) {
 class Views : public ::testing::Test {
  protected:
   /// One part, views left and right: those of the hero have no view in their names.
-  fs::path one_part(const Channels& more = {}) {
+  fs::path one_part(const TestChannels& more = {}) {
     write_exr_parts(
         folder_ / "one.exr", kWindow,
         {{"rgba", kWindow, colour("", 1) + colour("right.", 2) + colour("albedo.", 0.25F) + more}},
@@ -99,13 +89,13 @@ TEST_F(Views, PartsSayWhoseTheyAre) {
 
 TEST_F(Views, BlendersStereoFiles) {
   for (const char* folder : {"cycles", "cycles5"}) {
-    const fs::path file = kFixtures / folder / "stereo.exr";
+    const fs::path file = kImportFixtures / folder / "stereo.exr";
     EXPECT_EQ(FileViews(ExrReader(file), "").all(), (std::vector<std::string>{"left", "right"}));
     EXPECT_EQ(recognise_preset(ExrReader(file), "right"), "cycles");
     // The right camera stands 0.4 to the right: n . p of the plane (README.md) is smaller by 0.36 * 0.4.
     for (const auto& [view, depth] : {std::pair{"left", 4.3649F}, {"right", 4.3649F * 4.576F / 4.432F}}) {
       const Frame frame = import_frame({file}, mapping_of("cycles", view),
-                                       read_camera(kFixtures / "cycles/camera.yaml"), false)
+                                       read_camera(kImportFixtures / "cycles/camera.yaml"), false)
                               .frame;
       const size_t plane = 8 * 16 + 1;
       EXPECT_NEAR(frame.plane(0, kDepthOffset)[plane], depth, 1e-3F) << folder << " " << view;

@@ -13,7 +13,7 @@
 namespace ld {
 namespace {
 
-const Imath::Box2i kWindow({0, 0}, {7, 5});
+const Imath::Box2i kAdviceWindow({0, 0}, {7, 5});
 
 class Advice : public ::testing::Test {
  protected:
@@ -28,10 +28,10 @@ class Advice : public ::testing::Test {
 
   /// A render with the channels, each of the value of the pixel's place and the seed.
   std::string render(const std::string& name, const std::vector<std::string>& channels, int seed = 1) const {
-    TestPart part{"", kWindow, {}};
+    TestPart part{"", kAdviceWindow, {}};
     for (const std::string& channel : channels)
       part.channels.emplace_back(channel, [seed](int x, int y) { return float(1 + x * seed + y) / 16; });
-    write_exr_parts(path(name), kWindow, {part});
+    write_exr_parts(path(name), kAdviceWindow, {part});
     return path(name);
   }
 

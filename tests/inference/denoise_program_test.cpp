@@ -11,6 +11,7 @@
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
 #include "inference/denoise_job.h"
+#include "tests/inference/denoising_test.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
@@ -78,12 +79,6 @@ void write_rich_frame(const fs::path& path) {
     output.setFrameBuffer(buffer);
     output.writePixels(kHeight);
   }
-}
-
-std::vector<float> channel_of(const ExrReader& exr, int part, const std::string& name) {
-  std::vector<float> pixels(size_t(exr.width(part)) * size_t(exr.height(part)));
-  exr.read(part, std::vector<ExrPlane>{{name, pixels.data(), pixels.size()}});
-  return pixels;
 }
 
 class DenoiseProgram : public ::testing::Test {

@@ -19,6 +19,12 @@ inline int part_of(const ExrReader& exr, const std::string& name) {
   return -1;
 }
 
+inline std::vector<float> channel_of(const ExrReader& exr, int part, const std::string& name) {
+  std::vector<float> pixels(size_t(exr.width(part)) * size_t(exr.height(part)));
+  exr.read(part, std::vector<ExrPlane>{{name, pixels.data(), pixels.size()}});
+  return pixels;
+}
+
 /// A folder for all tests of a suite, with the weights model.safetensors in it.
 class DenoisingTest : public ::testing::Test {
  protected:

@@ -26,12 +26,6 @@ TestPart colour_part(const std::string& name, const Imath::Box2i& window, float 
       name, window, {{"R", everywhere(value)}, {"G", everywhere(value / 2)}, {"B", everywhere(value / 4)}}};
 }
 
-std::vector<float> channel_of(const ExrReader& exr, int part, const std::string& name) {
-  std::vector<float> pixels(size_t(exr.width(part)) * size_t(exr.height(part)));
-  exr.read(part, {{name, pixels.data(), pixels.size()}});
-  return pixels;
-}
-
 class ForeignFrames : public DenoisingTest {
  protected:
   static void denoise(const std::string& input, const std::string& output, bool full_float = false) {

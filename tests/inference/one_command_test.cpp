@@ -10,6 +10,7 @@
 #include "import/recognise.h"
 #include "inference/frame_sequence.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/exr_parts.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/run_program.h"
 #include "weights/released.h"
@@ -19,12 +20,11 @@ namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kFixtures = fs::path(LD_SOURCE_DIR) / "tests/fixtures/import";
 
 TEST(OneCommand, RendersAreRecognisedByTheirChannels) {
   for (const auto& [folder, preset] :
        {std::pair{"cycles", "cycles"}, {"cycles5", "cycles"}, {"mitsuba", "mitsuba"}}) {
-    const ExrReader exr(kFixtures / folder / "sample_00.exr");
+    const ExrReader exr(kImportFixtures / folder / "sample_00.exr");
     EXPECT_FALSE(is_frame(exr)) << folder;
     EXPECT_EQ(recognise_preset(exr), preset) << folder;
   }
@@ -116,8 +116,9 @@ TEST(OneCommand, SamplesOfOneFrameBecomeAPicture) {
   const TemporaryFolder folder;
   const std::string output = (folder / "denoised.exr").string();
   for (const char* renderer : {"cycles", "mitsuba"}) {
-    const ProgramResult result = run_program("ld_denoise", {(kFixtures / renderer / "sample_*.exr").string(),
-                                                            "--output", output, "--threads", "1"});
+    const ProgramResult result = run_program(
+        "ld_denoise",
+        {(kImportFixtures / renderer / "sample_*.exr").string(), "--output", output, "--threads", "1"});
     ASSERT_EQ(result.exit_code, 0) << result.output;
     for (const std::string& text :
          {fmt::format("renders as preset {} has them", renderer), std::string("samples of one frame"),
@@ -133,7 +134,7 @@ TEST(OneCommand, SamplesOfOneFrameBecomeAPicture) {
 TEST(OneCommand, ARenderAloneIsDenoisedByItsMeans) {
   const TemporaryFolder folder;
   const std::string output = (folder / "denoised.exr").string(),
-                    input = (kFixtures / "cycles/sample_00.exr").string();
+                    input = (kImportFixtures / "cycles/sample_00.exr").string();
   const ProgramResult result = run_program("ld_denoise", {input, "--output", output, "--threads", "1"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NE(result.output.find("denoised with the model 'means'"), std::string::npos) << result.output;

@@ -14,7 +14,7 @@ namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-const Imath::Box2i kWindow({0, 0}, {11, 8});
+const Imath::Box2i kSmallWindow({0, 0}, {11, 8});
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
 
 class RefusedFirst : public DenoisingTest {
@@ -26,8 +26,8 @@ class RefusedFirst : public DenoisingTest {
   /// A render of one sample.
   static std::string render(const std::string& name, float value) {
     write_exr_parts(
-        path(name), kWindow,
-        {{"", kWindow, {{"R", everywhere(value)}, {"G", everywhere(value)}, {"B", everywhere(value)}}}});
+        path(name), kSmallWindow,
+        {{"", kSmallWindow, {{"R", everywhere(value)}, {"G", everywhere(value)}, {"B", everywhere(value)}}}});
     return path(name);
   }
 };
@@ -137,11 +137,11 @@ TEST_F(RefusedFirst, FormerResultsAreNoSamples) {
 }
 
 TEST_F(RefusedFirst, FormerResultsOfOneViewAreSamplesOfTheOther) {
-  TestPart part{"rgba", kWindow, {}};
+  TestPart part{"rgba", kSmallWindow, {}};
   for (const char* prefix : {"", "right."})
     for (const char* colour : {"R", "G", "B"})
       part.channels.emplace_back(std::string(prefix) + colour, everywhere(prefix[0] == 'r' ? 2.0F : 1.0F));
-  write_exr_parts(path("views.exr"), kWindow, {part}, {"left", "right"});
+  write_exr_parts(path("views.exr"), kSmallWindow, {part}, {"left", "right"});
   ASSERT_EQ(denoise({path("views.exr"), "--view", "right", "--output", path("half.exr")}).exit_code, 0);
   expect_failure(denoise({path("half.exr"), "--view", "right", "--output", path("v.exr")}), 1,
                  {"half.exr", "denoised already"});

@@ -15,16 +15,7 @@ namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kFixtures = fs::path(LD_SOURCE_DIR) / "tests/fixtures/import";
 const Imath::Box2i kWindow({0, 0}, {7, 5});
-
-using Channels = std::vector<std::pair<std::string, std::function<float(int, int)>>>;
-
-Channels colour(const std::string& prefix, float value) {
-  Channels channels;
-  for (const char* name : {"R", "G", "B"}) channels.emplace_back(prefix + name, everywhere(value));
-  return channels;
-}
 
 /// Pictures are written as half floats; what is kept stays full floats, as the files of these tests have
 /// them.
@@ -48,8 +39,8 @@ class Stereo : public DenoisingTest {
   }
 
   static void write_one_part() {
-    Channels channels = colour("", 1);
-    for (const Channels& more :
+    TestChannels channels = colour("", 1);
+    for (const TestChannels& more :
          {colour("right.", 2), colour("albedo.", 0.25F), colour("albedo.right.", 0.5F)})
       channels.insert(channels.end(), more.begin(), more.end());
     write_exr_parts(path("one.exr"), kWindow, {{"rgba", kWindow, channels}}, {"left", "right"});
@@ -117,12 +108,12 @@ TEST_F(Stereo, ViewsInParts) {
 
 TEST_F(Stereo, BlendersFiles) {
   for (const char* folder : {"cycles", "cycles5"}) {
-    const fs::path input = kFixtures / folder / "stereo.exr";
+    const fs::path input = kImportFixtures / folder / "stereo.exr";
     for (const char* view : {"left", "right"}) {
       const std::string output = path(fmt::format("{}_{}.exr", folder, view));
       const ProgramResult result =
           run_program("ld_denoise", {input.string(), "--view", view, "--output", output, "--threads", "1",
-                                     "--camera", (kFixtures / "cycles/camera.yaml").string()});
+                                     "--camera", (kImportFixtures / "cycles/camera.yaml").string()});
       ASSERT_EQ(result.exit_code, 0) << result.output;
       // All channels of the other view, in as many parts as before.
       const ExrReader before(input), after(output);
@@ -161,7 +152,7 @@ TEST_F(Stereo, ImportedFramesSayWhichViewTheyAre) {
 }
 
 TEST_F(Stereo, ChannelsMakeWayForThePicture) {
-  Channels channels = colour("ViewLayer.Combined.", 2);
+  TestChannels channels = colour("ViewLayer.Combined.", 2);
   channels.emplace_back("R", everywhere(3));
   write_exr_parts(path("taken.exr"), kWindow, {{"rgba", kWindow, channels}});
   const ProgramResult result = denoise("taken.exr", "way.exr");

@@ -22,18 +22,18 @@ struct Sizes {
 
 // The last spans several tiles; it is linear, as some pixel's leaky ReLU would bend within a finite
 // difference.
-const std::vector<Sizes> kSizes = {
+const std::vector<Sizes> kLayerSizes = {
     {1, 1, 3, 0, 1, 1, {4}, false},       {2, 3, 5, 4, 1, 2, {6, 3}, true},
     {1, 8, 2, 3, 5, 7, {4, 4, 2}, false}, {2, 2, 20, 0, 3, 1, {32, 32, 32}, true},
     {1, 2, 3, 7, 23, 41, {289}, false},
 };
 
-struct Problem {
+struct LayersProblem {
   Tensor x, shared;
   FullyConnectedWeights weights;
   reference::Parameters parameters;
 
-  explicit Problem(const Sizes& sizes) {
+  explicit LayersProblem(const Sizes& sizes) {
     x = random_normal({sizes.b, sizes.s, sizes.x, sizes.h, sizes.w}, 1);
     if (sizes.shared > 0) shared = random_normal({sizes.b, sizes.shared, sizes.h, sizes.w}, 2);
     int64_t inputs = sizes.x + sizes.shared;
@@ -57,8 +57,8 @@ struct Problem {
 };
 
 TEST(FullyConnected, AgreesWithTheScalarReference) {
-  for (const Sizes& sizes : kSizes) {
-    const Problem p(sizes);
+  for (const Sizes& sizes : kLayerSizes) {
+    const LayersProblem p(sizes);
     const Tensor expected = p.expected(sizes.activate_last);
     expect_near(fully_connected(p.x, p.shared, p.weights, sizes.activate_last), expected, 1e-12);
 
@@ -72,8 +72,8 @@ TEST(FullyConnected, AgreesWithTheScalarReference) {
 }
 
 TEST(FullyConnected, GradientsAgreeWithFiniteDifferences) {
-  for (const Sizes& sizes : kSizes) {
-    const Problem p(sizes);
+  for (const Sizes& sizes : kLayerSizes) {
+    const LayersProblem p(sizes);
     const size_t layers = sizes.widths.size();
     std::vector<Tensor> inputs = {variable(p.x)};
     if (p.shared.defined()) inputs.push_back(variable(p.shared));
@@ -97,7 +97,7 @@ TEST(FullyConnected, GradientsAgreeWithFiniteDifferences) {
 // c x / (c + |x|) of the last layer, forward and backward, in double and on the kernels.
 TEST(FullyConnected, TheBoundOfTheLastLayerAgreesWithItsFormula) {
   for (const double c : {0.5, 4.0}) {
-    Problem p(kSizes[2]);
+    LayersProblem p(kLayerSizes[2]);
     const Tensor x = p.expected(false);
     p.weights.bound = c;
     const Tensor expected = c * x / (c + x.abs());
@@ -143,7 +143,7 @@ TEST(FullyConnected, TheBoundHoldsAtTheExtremes) {
 }
 
 TEST(FullyConnected, ThreadsChangeNoBit) {
-  const Problem p({2, 2, 3, 7, 23, 41, {40, 289}, false});
+  const LayersProblem p({2, 2, 3, 7, 23, 41, {40, 289}, false});
   const int threads = at::get_num_threads();
   std::vector<Tensor> results;
   for (const int count : {1, 2, 2}) {
@@ -163,14 +163,14 @@ TEST(FullyConnected, ThreadsChangeNoBit) {
 }
 
 TEST(FullyConnected, InferenceModeGivesTheSameBits) {
-  const Problem p(kSizes[2]);
+  const LayersProblem p(kLayerSizes[2]);
   const Tensor expected = fully_connected(p.x, p.shared, p.weights, false);
   const c10::InferenceMode guard;
   EXPECT_TRUE(fully_connected(p.x, p.shared, p.weights, false).equal(expected));
 }
 
 TEST(FullyConnected, BadShapesAreErrors) {
-  const Problem p(kSizes[1]);
+  const LayersProblem p(kLayerSizes[1]);
   EXPECT_THROW(fully_connected(p.x[0], p.shared, p.weights, false), Error);
   EXPECT_THROW(fully_connected(p.x, {}, p.weights, false), Error);
   EXPECT_THROW(fully_connected(p.x, p.shared.narrow(3, 0, 1), p.weights, false), Error);

@@ -13,9 +13,10 @@ namespace {
 
 using torch::Tensor;
 
-struct Problem {
+struct SplatProblem {
   Tensor logits, log_n, values;
-  Problem(int64_t b, int64_t layers, int64_t kernel, int64_t channels, int64_t h, int64_t w, double deviation)
+  SplatProblem(int64_t b, int64_t layers, int64_t kernel, int64_t channels, int64_t h, int64_t w,
+               double deviation)
       : logits(random_normal({b, layers, kernel * kernel, h, w}, 1, deviation)),
         log_n(random_normal({b, layers, h, w}, 2).sub(1)),
         values(random_uniform({b, layers, channels, h, w}, 3, 0, 4)) {}
@@ -35,7 +36,7 @@ TEST(KernelSplat, AgreesWithTheScalarReference) {
   for (const auto& [h, w] : std::vector<std::pair<int64_t, int64_t>>{{1, 1}, {1, 2}, {5, 7}, {2, 300}})
     for (const int64_t kernel : {1, 3, 5, 9})
       for (const int64_t layers : {1, 2, 3}) {
-        const Problem p(2, layers, kernel, 4, h, w, 2);
+        const SplatProblem p(2, layers, kernel, 4, h, w, 2);
         const Tensor expected = p.expected();
         expect_near(p.run(), expected, 1e-12);
         expect_near(p.run(torch::kFloat32), expected, 1e-5);
@@ -44,7 +45,7 @@ TEST(KernelSplat, AgreesWithTheScalarReference) {
 
 TEST(KernelSplat, SinglePrecisionErrsAsTheExponentsDo) {
   for (const double deviation : {10.0, 30.0, 60.0}) {  // beyond, the reference's own exp() underflows
-    const Problem p(1, 2, 5, 3, 6, 5, deviation);
+    const SplatProblem p(1, 2, 5, 3, 6, 5, deviation);
     const Tensor expected = p.expected();
     const double largest_exponent = (p.logits.max() - p.logits.min()).item<double>();
     EXPECT_LE(largest_difference(p.run(torch::kFloat32), expected),
@@ -54,7 +55,7 @@ TEST(KernelSplat, SinglePrecisionErrsAsTheExponentsDo) {
 }
 
 TEST(KernelSplat, PixelsThatSendNothing) {
-  Problem p(1, 2, 3, 2, 3, 4, 1);
+  SplatProblem p(1, 2, 3, 2, 3, 4, 1);
   const double infinity = std::numeric_limits<double>::infinity();
   p.log_n.select(3, 1).fill_(-infinity);
   expect_near(p.run(), p.expected(), 1e-12);
@@ -89,7 +90,7 @@ TEST(KernelSplat, TapsReachTheDocumentedPixels) {
 TEST(KernelSplat, GradientsAgreeWithFiniteDifferences) {
   for (const int64_t layers : {1, 2})
     for (const auto& [h, w] : std::vector<std::pair<int64_t, int64_t>>{{1, 1}, {3, 4}}) {
-      const Problem p(2, layers, 3, 4, h, w, 1.5);
+      const SplatProblem p(2, layers, 3, 4, h, w, 1.5);
       expect_gradients([](const auto& v) { return kernel_splat(v[0], v[1], v[2]); },
                        {variable(p.logits), variable(p.log_n), variable(p.values)}, 200);
     }
@@ -110,7 +111,7 @@ TEST(KernelSplat, TheGradientOfTheMaximumFlows) {
 }
 
 TEST(KernelSplat, Adding1024ToTheLogitsOfAPixelChangesNoBit) {
-  Problem p(1, 2, 5, 4, 7, 6, 100);
+  SplatProblem p(1, 2, 5, 4, 7, 6, 100);
   const Tensor logits = (p.logits * 1024).round().div(1024).clamp(-1000, 1000).to(torch::kFloat32);
   const Tensor shift = random_uniform({1, 1, 1, 7, 6}, 9).gt(0.5).to(torch::kFloat32) * 1024;
   const Tensor log_n = p.log_n.to(torch::kFloat32), values = p.values.to(torch::kFloat32);
@@ -118,7 +119,7 @@ TEST(KernelSplat, Adding1024ToTheLogitsOfAPixelChangesNoBit) {
 }
 
 TEST(KernelSplat, ThreadsChangeNoBit) {
-  const Problem p(2, 2, 5, 4, 33, 41, 3);
+  const SplatProblem p(2, 2, 5, 4, 33, 41, 3);
   const int threads = at::get_num_threads();
   std::vector<Tensor> results;
   for (const int count : {1, 2, 2}) {
@@ -135,14 +136,14 @@ TEST(KernelSplat, ThreadsChangeNoBit) {
 }
 
 TEST(KernelSplat, InferenceModeGivesTheSameBits) {
-  const Problem p(1, 2, 5, 4, 9, 300, 3);
+  const SplatProblem p(1, 2, 5, 4, 9, 300, 3);
   const Tensor expected = kernel_splat(variable(p.logits), p.log_n, p.values).detach();
   const c10::InferenceMode guard;
   EXPECT_TRUE(p.run().equal(expected));
 }
 
 TEST(KernelSplat, BadShapesAreErrors) {
-  const Problem p(1, 2, 3, 4, 5, 6, 1);
+  const SplatProblem p(1, 2, 3, 4, 5, 6, 1);
   EXPECT_THROW(kernel_splat(p.logits.narrow(2, 0, 8), p.log_n, p.values), Error);
   EXPECT_THROW(kernel_splat(p.logits.narrow(2, 0, 4), p.log_n, p.values), Error);
   EXPECT_THROW(kernel_splat(p.logits, p.log_n.narrow(1, 0, 1), p.values), Error);

@@ -65,22 +65,22 @@ Vec3 direction(double cosine, double azimuth) {
 }
 
 // Bins of equal solid angle over the whole sphere.
-constexpr int kPolar = 12, kAzimuths = 12;
+constexpr int kLatitudes = 12, kLongitudes = 12;
 int bin_of(Vec3 w) {
-  const int i = std::clamp(static_cast<int>((w.z + 1) * 0.5F * kPolar), 0, kPolar - 1);
+  const int i = std::clamp(static_cast<int>((w.z + 1) * 0.5F * kLatitudes), 0, kLatitudes - 1);
   const float turn = (std::atan2(w.y, w.x) + kPi) / (2 * kPi);
-  return i * kAzimuths + std::clamp(static_cast<int>(turn * kAzimuths), 0, kAzimuths - 1);
+  return i * kLongitudes + std::clamp(static_cast<int>(turn * kLongitudes), 0, kLongitudes - 1);
 }
 
 /// The density integrated over each bin, by the midpoint rule on a fine grid.
 std::vector<double> integrated_pdf(const Bsdf& bsdf, Vec3 wo) {
   constexpr int kFine = 48;
-  std::vector<double> mass(size_t{kPolar} * kAzimuths, 0.0);
-  const double cell = 4.0 * kPi / (kPolar * kAzimuths * kFine * kFine);
-  for (int i = 0; i < kPolar * kFine; ++i)
-    for (int j = 0; j < kAzimuths * kFine; ++j) {
-      const Vec3 wi =
-          direction(-1 + 2 * (i + 0.5) / (kPolar * kFine), -kPi + 2 * kPi * (j + 0.5) / (kAzimuths * kFine));
+  std::vector<double> mass(size_t{kLatitudes} * kLongitudes, 0.0);
+  const double cell = 4.0 * kPi / (kLatitudes * kLongitudes * kFine * kFine);
+  for (int i = 0; i < kLatitudes * kFine; ++i)
+    for (int j = 0; j < kLongitudes * kFine; ++j) {
+      const Vec3 wi = direction(-1 + 2 * (i + 0.5) / (kLatitudes * kFine),
+                                -kPi + 2 * kPi * (j + 0.5) / (kLongitudes * kFine));
       mass[static_cast<size_t>(bin_of(wi))] += bsdf.evaluate(wo, wi).pdf * cell;
     }
   return mass;

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "render/noise.h"
 #include "render/prepared_scene.h"
+#include "tests/render/mesh_volume.h"
 #include "tests/render/test_scenes.h"
 #include "tests/support/expect_error.h"
 
@@ -16,13 +17,6 @@ namespace {
 
 /// Volume enclosed by a mesh, positive when its triangles are counter-clockwise from outside (divergence
 /// theorem).
-double volume(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles)
-    sum += dot(mesh.positions[a], cross(mesh.positions[b], mesh.positions[c])) / 6.0;
-  return sum;
-}
-
 /// Every edge belongs to two triangles that run along it in opposite directions.
 bool is_closed(const Mesh& mesh) {
   std::map<std::pair<uint32_t, uint32_t>, int> edges;

@@ -10,18 +10,12 @@
 
 #include "render/mesh_tools.h"
 #include "render/shapes/model.h"
+#include "tests/render/mesh_volume.h"
 
 namespace ld {
 namespace {
 
 using Place = std::tuple<float, float, float>;
-
-double volume(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles)
-    sum += dot(mesh.positions[a], cross(mesh.positions[b], mesh.positions[c])) / 6.0;
-  return sum;
-}
 
 /// How many edges between places (not positions: seams double those) are not run along as often one way as
 /// the other.

@@ -17,16 +17,29 @@
 
 namespace ld {
 
+/// Other programs' files, in the repository.
+inline const std::filesystem::path kImportFixtures =
+    std::filesystem::path(LD_SOURCE_DIR) / "tests/fixtures/import";
+
+/// A name, and the value of the pixel (x, y) of the display window.
+using TestChannels = std::vector<std::pair<std::string, std::function<float(int, int)>>>;
+
 struct TestPart {
   std::string name;
   Imath::Box2i window;
-  /// A name, and the value of the pixel (x, y) of the display window.
-  std::vector<std::pair<std::string, std::function<float(int, int)>>> channels;
+  TestChannels channels;
   std::string view = {};  // the attribute of that name
 };
 
 inline std::function<float(int, int)> everywhere(float value) {
   return [value](int, int) { return value; };
+}
+
+/// Channels PREFIX.R, G and B of one value; the prefix ends with its dot.
+inline TestChannels colour(const std::string& prefix, float value) {
+  TestChannels channels;
+  for (const char* name : {"R", "G", "B"}) channels.emplace_back(prefix + name, everywhere(value));
+  return channels;
 }
 
 /// Full floats. `views`: the attribute multiView.

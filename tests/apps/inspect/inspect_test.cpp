@@ -7,6 +7,7 @@
 
 #include "core/checksum.h"
 #include "core/json_text.h"
+#include "tests/apps/inspect/problems.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/run_program.h"
@@ -18,20 +19,6 @@ namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The problems as one text.
-std::string problems(const fs::path& path, bool verify = false) {
-  InspectOptions options;
-  options.verify = verify;
-  std::string text;
-  for (const std::string& problem : inspect(path, options).problems) text += problem + "\n";
-  return text;
-}
-
-void expect_problem(const fs::path& path, const std::string& part, bool verify = false) {
-  const std::string found = problems(path, verify);
-  EXPECT_NE(found.find(part), std::string::npos) << "expected '" << part << "' in: " << found;
-}
 
 /// A wall that faces the camera under noisy light: random guides would be faults.
 Frame wall(int width, int height, int spp, uint32_t seed) {

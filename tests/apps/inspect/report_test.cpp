@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/inspect/inspect.h"
+#include "tests/apps/inspect/problems.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/exr_parts.h"
 #include "tests/support/temporary_folder.h"
@@ -11,18 +12,6 @@ namespace ld {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The problems as one text.
-std::string problems(const fs::path& path) {
-  std::string text;
-  for (const std::string& problem : inspect(path, {}).problems) text += problem + "\n";
-  return text;
-}
-
-void expect_problem(const fs::path& path, const std::string& part) {
-  const std::string found = problems(path);
-  EXPECT_NE(found.find(part), std::string::npos) << "expected '" << part << "' in: " << found;
-}
 
 TEST(Inspect, WarningsAreCountedInPlaceOfNothing) {
   Report good, several;
