@@ -9,6 +9,6 @@ cmake --build --preset release
 echo "test: built in ${SECONDS} s"
 failed=0
 ctest --preset release --output-on-failure || failed=$?
-cases() { grep -c "^\[ *$1 \] [A-Za-z0-9_/]*\.[A-Za-z0-9_/]* (" build/Testing/Temporary/LastTest.log || true; }
+cases() { grep -c "^\[ *$1 *\] [A-Za-z0-9_/]*\.[A-Za-z0-9_/]* (" build/Testing/Temporary/LastTest.log || true; }
 echo "test: $(cases OK) cases passed, $(cases FAILED) failed, $(cases SKIPPED) skipped"
 exit $failed
