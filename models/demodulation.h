@@ -6,7 +6,7 @@
 
 #include <torch/torch.h>
 
-#include "models/fully_connected.h"
+#include "models/fully_connected_module.h"
 #include "models/network_config.h"
 #include "models/network_input.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "frame/schema.h"
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
 
 namespace ld {
 

@@ -1,7 +1,7 @@
 // Kernel generator ([MH20] section 3 and appendix B): a filter kernel for each pixel of each layer.
 #pragma once
 
-#include "models/fully_connected.h"
+#include "models/fully_connected_module.h"
 #include "models/network_config.h"
 
 namespace ld {

@@ -1,40 +1,6 @@
 #include "models/network.h"
 
-#include <fmt/ranges.h>
-
-#include <functional>
-#include <map>
-
-#include "core/error.h"
-#include "models/layer_network.h"
-#include "models/optimized_network.h"
-#include "models/pixel_gather_network.h"
-#include "models/pixel_splat_network.h"
-#include "models/sample_splat_network.h"
-
 namespace ld {
-namespace {
-
-using Maker = std::function<std::shared_ptr<Network>(const NetworkConfig&)>;
-
-template <class T>
-std::shared_ptr<Network> make(const NetworkConfig& config) {
-  return std::make_shared<T>(config);
-}
-
-/// A new network is one line here, one in check_network.cpp and one file beside this one.
-const std::map<std::string, Maker>& registry() {
-  static const std::map<std::string, Maker> networks = {
-      {"layer", make<LayerNetwork>},
-      {"optimized", make<OptimizedNetwork>},
-      {"pixel_gather", make<PixelGatherNetwork>},
-      {"pixel_splat", make<PixelSplatNetwork>},
-      {"sample_splat", make<SampleSplatNetwork>},
-  };
-  return networks;
-}
-
-}  // namespace
 
 torch::Tensor Network::forward(NetworkInput input) {
   check_input(input, config_);
@@ -59,11 +25,6 @@ Kernels Network::kernels(NetworkInput input) {
   check_input(input, config_);
   const int64_t height = input.features.size(3);
   return make_kernels(WholeInput(admit(WholeInput(std::move(input))).rows(0, height)));
-}
-
-std::shared_ptr<Network> make_network(const NetworkConfig& config) {
-  check_network(config);
-  return registry().at(config.name)(config);
 }
 
 }  // namespace ld

@@ -8,7 +8,7 @@
 #include "models/exposure.h"
 #include "models/pixel_mean.h"
 #include "models/row_strips.h"
-#include "ops/check.h"
+#include "ops/expect_tensor.h"
 
 namespace ld {
 

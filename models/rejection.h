@@ -5,7 +5,7 @@
 
 #include <torch/torch.h>
 
-#include "models/fully_connected.h"
+#include "models/fully_connected_module.h"
 #include "models/network_config.h"
 #include "models/rejection_range.h"
 

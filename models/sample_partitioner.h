@@ -1,7 +1,7 @@
 // Sample partitioner ([MH20] section 3, eq. 1 and appendix B): how much of a sample belongs to each layer.
 #pragma once
 
-#include "models/fully_connected.h"
+#include "models/fully_connected_module.h"
 #include "models/network_config.h"
 
 namespace ld {

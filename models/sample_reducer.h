@@ -1,7 +1,7 @@
 // Sample reducer ([MH20] section 3 and appendix B): features of a sample to its embedding.
 #pragma once
 
-#include "models/fully_connected.h"
+#include "models/fully_connected_module.h"
 #include "models/network_config.h"
 
 namespace ld {

@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-HEADERS = ["src/training/config.h", "models/network_config.h", "src/render/recipe.h", "src/render/scene_file_config.h",
-           "src/render/random_scene.h", "src/import/mapping.h", "src/import/view_camera.cpp"]
+HEADERS = ["src/training/run/config.h", "models/network_config.h", "src/render/recipe/recipe.h", "src/render/file/scene_file_config.h",
+           "src/render/random/random_scene.h", "src/import/mapping.h", "src/import/view_camera.cpp"]
 
 
 class Struct:

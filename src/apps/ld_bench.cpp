@@ -7,10 +7,10 @@
 #include <iostream>
 
 #include "apps/app.h"
+#include "benchmark/bench_report.h"
 #include "benchmark/loader.h"
 #include "benchmark/network_sweeps.h"
 #include "benchmark/render_speed.h"
-#include "benchmark/report.h"
 #include "benchmark/tradeoff.h"
 #include "core/file_io.h"
 #include "core/log.h"

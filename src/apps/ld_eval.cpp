@@ -4,12 +4,12 @@
 #include <iostream>
 
 #include "apps/app.h"
-#include "benchmark/model_method.h"
 #include "core/log.h"
 #include "evaluation/data_set.h"
 #include "evaluation/image_folder.h"
 #include "evaluation/results.h"
 #include "evaluation/tables.h"
+#include "inference/model_method.h"
 #include "ops/runtime.h"
 
 namespace {

@@ -5,8 +5,8 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
-#include "render/contact_sheet.h"
-#include "render/dataset_renderer.h"
+#include "render/recipe/contact_sheet.h"
+#include "render/recipe/dataset_renderer.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "ops/runtime.h"
-#include "training/run_folder.h"
+#include "training/run/run_folder.h"
 #include "training/trainer.h"
 
 int main(int argc, char** argv) {

@@ -1,11 +1,11 @@
 #include <algorithm>
 
-#include "benchmark/cost.h"
 #include "benchmark/workloads.h"
 #include "frame/schema.h"
 #include "losses/loss.h"
 #include "models/initialise.h"
-#include "training/config.h"
+#include "models/network_cost.h"
+#include "training/run/config.h"
 
 namespace ld {
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "benchmark/cost.h"
 #include "benchmark/peak_memory.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "core/text_table.h"
+#include "models/network_cost.h"
 #include "models/sample_partitioner.h"
 #include "models/sample_reducer.h"
 #include "models/unet.h"

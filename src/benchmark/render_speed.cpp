@@ -6,8 +6,8 @@
 
 #include "benchmark/measure.h"
 #include "core/threads.h"
-#include "render/image_renderer.h"
-#include "render/random_scene.h"
+#include "render/random/random_scene.h"
+#include "render/trace/image_renderer.h"
 
 namespace ld {
 namespace {

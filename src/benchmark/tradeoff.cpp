@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "benchmark/measure.h"
-#include "benchmark/model_method.h"
 #include "benchmark/peak_memory.h"
 #include "core/error.h"
 #include "core/file_io.h"
@@ -14,6 +13,7 @@
 #include "evaluation/data_set.h"
 #include "evaluation/evaluator.h"
 #include "evaluation/image_folder.h"
+#include "inference/model_method.h"
 #include "metrics/metric.h"
 
 namespace ld {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/svg_scatter.h"
+#include "plot/svg_scatter.h"
 
 namespace ld {
 

@@ -11,7 +11,7 @@
 
 #include "dataset/epoch_plan.h"
 #include "dataset/frame_store.h"
-#include "dataset/network_input.h"
+#include "dataset/input_tensors.h"
 #include "dataset/prefetch.h"
 #include "dataset/sample_draw.h"
 

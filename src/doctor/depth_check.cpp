@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "doctor/check.h"
+#include "doctor/doctor_check.h"
 #include "doctor/flat_windows.h"
 
 namespace ld {

@@ -8,7 +8,7 @@
 #include "core/progress.h"
 #include "core/signals.h"
 #include "core/threads.h"
-#include "doctor/check.h"
+#include "doctor/doctor_check.h"
 
 namespace ld {
 namespace fs = std::filesystem;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "doctor/check.h"
+#include "doctor/doctor_check.h"
 
 namespace ld {
 namespace {

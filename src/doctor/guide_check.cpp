@@ -1,7 +1,7 @@
 // Guides belong to the sample. Many renderers write them averaged over the pixel, the same in every sample.
 #include <cmath>
 
-#include "doctor/check.h"
+#include "doctor/doctor_check.h"
 
 namespace ld {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "doctor/check.h"
+#include "doctor/doctor_check.h"
 #include "doctor/flat_windows.h"
 
 namespace ld {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "doctor/check.h"
+#include "doctor/doctor_check.h"
 
 namespace ld {
 namespace {

@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include "dataset/varying_features.h"
-#include "doctor/check.h"
+#include "doctor/doctor_check.h"
 
 namespace ld {
 namespace {

@@ -68,7 +68,7 @@ struct OnnxPartition {
 OnnxPartition onnx_partition(OnnxGraph& g, const NetworkConfig& config, const Value& logits,
                              const OnnxSamples& samples, const Value& embedding);
 
-/// models/layer_pyramid.h.
+/// models/networks/layer_pyramid.h.
 struct OnnxPyramidLevel {
   OnnxPartition layers;
   Value pixels;  // [B, 1, 1, H, W]

@@ -71,7 +71,7 @@ Value filter_and_composite(OnnxGraph& g, const NetworkConfig& config, const std:
   return color;
 }
 
-/// models/layered_network.h.
+/// models/networks/layered_network.h.
 struct Layers {
   std::vector<Value> context;
   OnnxPartition partition;
@@ -92,7 +92,7 @@ Layers make_layers(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples&
   return layers;
 }
 
-/// models/layer_network.h.
+/// models/networks/layer_network.h.
 Filtered layer(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   const Layers layers = make_layers(g, config, samples, 1);
   return {filter_and_composite(g, config, "kernel_generator", layers.partition, samples.radiance_channels,
@@ -100,7 +100,7 @@ Filtered layer(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& sam
           layers.context[0]};
 }
 
-/// models/optimized_network.h.
+/// models/networks/optimized_network.h.
 Filtered optimized(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   const Layers layers = make_layers(g, config, samples, config.levels);
   const std::vector<OnnxPyramidLevel> pyramid = onnx_pyramid(g, layers.partition, config.levels);
@@ -143,7 +143,7 @@ Filtered optimized(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples&
           layers.context[0]};
 }
 
-/// models/pixel_network.h.
+/// models/networks/pixel_network.h.
 Filtered pixel(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples, bool gather) {
   const Value embedding =
       reduce_samples(g, config, onnx_sample_statistics(g, samples.features, samples.valid));
@@ -167,7 +167,7 @@ Filtered pixel_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSample
   return pixel(g, config, samples, false);
 }
 
-/// models/sample_splat_network.h.
+/// models/networks/sample_splat_network.h.
 Filtered sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   g.enter("valid_features");
   // A sample that is not valid takes the features of the pixel's first valid one.

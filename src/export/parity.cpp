@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/random.h"
-#include "dataset/network_input.h"
+#include "dataset/input_tensors.h"
 #include "frame/frame_file.h"
 #include "frame/schema.h"
 #include "models/initialise.h"

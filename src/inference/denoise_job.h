@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "inference/frame_sequence.h"
 #include "inference/input_frame.h"
+#include "inference/sequence_names.h"
 
 namespace ld {
 

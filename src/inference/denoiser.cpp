@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "dataset/network_input.h"
-#include "models/layer_network.h"
+#include "dataset/input_tensors.h"
+#include "models/networks/layer_network.h"
 #include "models/row_strips.h"
 #include "ops/memory_pool.h"
 #include "weights/model_file.h"

@@ -34,7 +34,8 @@ class Cancelled : public Error {
   Cancelled() : Error("cancelled") {}
 };
 
-/// A layer of a layered network, for looking ([MH20] figure 3 and 8; models/layer_network.h has the terms).
+/// A layer of a layered network, for looking ([MH20] figure 3 and 8; models/networks/layer_network.h has the
+/// terms).
 struct LayerPicture {
   Image unfiltered;    // L_l / n_l [3, H, W]
   Image radiance;      // filtered L_l over filtered n_l, eq. 4 [3, H, W]: premultiplied with alpha

@@ -1,6 +1,6 @@
 #include "losses/l2_tonemapped.h"
 
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
 
 namespace ld {
 

@@ -1,7 +1,7 @@
 #include "losses/l2_tonemapped_linear.h"
 
-#include "losses/relmse.h"
-#include "ops/tone_map.h"
+#include "losses/relmse_loss.h"
+#include "ops/tone_map_tensor.h"
 
 namespace ld {
 

@@ -9,9 +9,9 @@
 #include "losses/l2_tonemapped.h"
 #include "losses/l2_tonemapped_linear.h"
 #include "losses/relative_l2.h"
-#include "losses/relmse.h"
-#include "losses/smape.h"
+#include "losses/relmse_loss.h"
 #include "losses/smape_l2.h"
+#include "losses/smape_loss.h"
 #include "losses/smape_multiscale.h"
 
 namespace ld {

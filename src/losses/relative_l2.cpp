@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "losses/relmse.h"
+#include "losses/relmse_loss.h"
 
 namespace ld {
 

@@ -12,7 +12,7 @@ namespace ld {
 constexpr double kRelativeL2Epsilon = 0.01;
 
 /// Mean over all elements of e^2, e = (d - r) / sqrt(stop(d)^2 + kRelativeL2Epsilon), bounded to
-/// +-kLargestRelativeError as in losses/relmse.h. stop(d) is d held fixed: the gradient in d is
+/// +-kLargestRelativeError as in losses/relmse_loss.h. stop(d) is d held fixed: the gradient in d is
 /// 2 (d - r) / (stop(d)^2 + epsilon) divided by the number of elements, and not the derivative of the value.
 /// It is linear in r: over noisy targets it is zero on average exactly where d is their mean, whatever their
 /// distribution. (Not held fixed, the scale would draw d upwards; with r in its place, as relMSE has it, the

@@ -1,7 +1,7 @@
 #include "losses/smape_l2.h"
 
 #include "losses/l2_tonemapped.h"
-#include "losses/smape.h"
+#include "losses/smape_loss.h"
 
 namespace ld {
 

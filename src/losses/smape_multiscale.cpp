@@ -1,6 +1,6 @@
 #include "losses/smape_multiscale.h"
 
-#include "losses/smape.h"
+#include "losses/smape_loss.h"
 
 namespace ld {
 namespace {

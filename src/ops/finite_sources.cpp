@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ops/check.h"
+#include "ops/expect_tensor.h"
 
 namespace ld {
 

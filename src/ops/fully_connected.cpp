@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "ops/check.h"
 #include "ops/composition.h"
-#include "ops/tile_network.h"
+#include "ops/expect_tensor.h"
+#include "ops/network_tiles.h"
 
 namespace ld {
 namespace {

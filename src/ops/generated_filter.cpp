@@ -3,14 +3,14 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "ops/check.h"
 #include "ops/composition.h"
+#include "ops/expect_tensor.h"
 #include "ops/finite_sources.h"
 #include "ops/gather_driver.h"
 #include "ops/kernel_gather.h"
 #include "ops/kernel_splat.h"
+#include "ops/network_tiles.h"
 #include "ops/splat_driver.h"
-#include "ops/tile_network.h"
 
 namespace ld {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "ops/check.h"
 #include "ops/composition.h"
+#include "ops/expect_tensor.h"
 #include "ops/finite_sources.h"
 #include "ops/gather_driver.h"
 

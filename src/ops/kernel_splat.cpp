@@ -1,7 +1,7 @@
 #include "ops/kernel_splat.h"
 
-#include "ops/check.h"
 #include "ops/composition.h"
+#include "ops/expect_tensor.h"
 #include "ops/finite_sources.h"
 #include "ops/splat_driver.h"
 

@@ -2,9 +2,9 @@
 
 #include <ATen/Parallel.h>
 
-#include "ops/check.h"
 #include "ops/composition.h"
-#include "ops/kernels/partition.h"
+#include "ops/expect_tensor.h"
+#include "ops/kernels/partition_tile.h"
 #include "ops/pictures.h"
 
 namespace ld {

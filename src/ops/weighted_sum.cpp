@@ -2,7 +2,7 @@
 
 #include <ATen/Parallel.h>
 
-#include "ops/check.h"
+#include "ops/expect_tensor.h"
 #include "ops/pictures.h"
 #include "ops/sum_loops.h"
 

@@ -4,8 +4,8 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
-#include "training/adam_state.h"
-#include "training/checkpoint_folder.h"
+#include "training/optimizer/adam_state.h"
+#include "training/run/checkpoint_folder.h"
 #include "weights/checkpoint_files.h"
 #include "weights/model_file.h"
 

@@ -1,4 +1,4 @@
-// What the files of a checkpoint hold (training/checkpoint_folder.h has the folders):
+// What the files of a checkpoint hold (training/run/checkpoint_folder.h has the folders):
 //  - weights.safetensors: the weights that validate: the averaged ones where there are any;
 //  - optimizer.safetensors: Adam's moments, and the trained weights where the others are averaged;
 //  - state.json: the TrainingState.
@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <string>
 
-#include "training/optimizer.h"
-#include "training/process_group.h"
-#include "training/training_state.h"
+#include "training/distributed/process_group.h"
+#include "training/optimizer/optimizer.h"
+#include "training/run/training_state.h"
 
 namespace ld {
 

@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "core/progress.h"
-#include "training/optimizer.h"
+#include "training/optimizer/optimizer.h"
 
 namespace ld {
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "dataset/network_input.h"
+#include "dataset/input_tensors.h"
 #include "losses/loss.h"
 #include "models/network.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "training/event_log.h"
-#include "training/tensorboard.h"
+#include "training/run/event_log.h"
+#include "training/run/tensorboard.h"
 #include "training/validation.h"
 
 namespace ld {

@@ -9,9 +9,9 @@
 #include "core/progress.h"
 #include "core/signals.h"
 #include "metrics/metric.h"
-#include "training/initial_weights.h"
-#include "training/run_folder.h"
-#include "training/schedule.h"
+#include "training/fine_tuning.h"
+#include "training/run/run_folder.h"
+#include "training/run/schedule.h"
 #include "training/training_data.h"
 
 namespace ld {

@@ -12,15 +12,15 @@
 #include "losses/loss.h"
 #include "models/network.h"
 #include "training/checkpoint.h"
-#include "training/checkpoint_folder.h"
-#include "training/config.h"
+#include "training/distributed/process_group.h"
 #include "training/kernel_statistics.h"
-#include "training/optimizer.h"
-#include "training/pace.h"
-#include "training/process_group.h"
-#include "training/run_folder.h"
+#include "training/optimizer/optimizer.h"
+#include "training/run/checkpoint_folder.h"
+#include "training/run/config.h"
+#include "training/run/pace.h"
+#include "training/run/run_folder.h"
+#include "training/run/training_state.h"
 #include "training/run_log.h"
-#include "training/training_state.h"
 #include "training/validation.h"
 
 namespace ld {
@@ -35,16 +35,16 @@ struct TrainerOptions {
 class Trainer {
  public:
   /// Makes the run folder, or continues the run that it holds from its newest whole checkpoint. Throws
-  /// UsageError when the folder holds another configuration (training/run_folder.h) or the configuration does
-  /// not fit the data; Error for bad data, when no checkpoint is whole, and when another process trains into
-  /// the folder.
+  /// UsageError when the folder holds another configuration (training/run/run_folder.h) or the configuration
+  /// does not fit the data; Error for bad data, when no checkpoint is whole, and when another process trains
+  /// into the folder.
   Trainer(TrainConfig config, std::filesystem::path run, const TrainerOptions& options = {});
 
   /// Trains to the last step, until the time is up, or until SIGINT or SIGTERM; a checkpoint is written in
-  /// all cases, also when an error ends the run. A training that collapses (training/collapse_watch.h) goes
-  /// back to its best checkpoint at half the learning rate. Throws Error when it has done so watch.retries
-  /// times, losses or gradients are not finite for run.max_skipped steps in a row, a peer is lost, data are
-  /// bad, or the last checkpoint finds no room.
+  /// all cases, also when an error ends the run. A training that collapses (training/run/collapse_watch.h)
+  /// goes back to its best checkpoint at half the learning rate. Throws Error when it has done so
+  /// watch.retries times, losses or gradients are not finite for run.max_skipped steps in a row, a peer is
+  /// lost, data are bad, or the last checkpoint finds no room.
   void train();
 
   const TrainingState& state() const { return state_; }

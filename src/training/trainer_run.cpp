@@ -12,7 +12,7 @@
 #include "core/signals.h"
 #include "ops/blas_kernels.h"
 #include "training/estimate.h"
-#include "training/run_folder.h"
+#include "training/run/run_folder.h"
 #include "training/trainer.h"
 #include "training/training_data.h"
 

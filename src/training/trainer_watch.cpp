@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/log.h"
-#include "training/initial_weights.h"
+#include "training/fine_tuning.h"
 #include "training/trainer.h"
 #include "training/training_data.h"
 

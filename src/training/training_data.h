@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dataset/training_set.h"
-#include "training/config.h"
+#include "training/run/config.h"
 
 namespace ld {
 

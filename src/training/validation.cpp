@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dataset/network_input.h"
+#include "dataset/input_tensors.h"
 #include "metrics/metric.h"
 
 namespace ld {

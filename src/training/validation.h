@@ -13,7 +13,7 @@
 #include "frame/frame.h"
 #include "losses/loss.h"
 #include "models/network.h"
-#include "training/process_group.h"
+#include "training/distributed/process_group.h"
 
 namespace ld {
 

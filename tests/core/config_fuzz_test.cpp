@@ -10,7 +10,7 @@
 #include "tests/support/damage.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
-#include "training/config.h"
+#include "training/run/config.h"
 
 namespace ld {
 namespace {

@@ -1,7 +1,7 @@
 // Depths in other units, cut off, and through mirrors; features when only some frames are read.
 #include <gtest/gtest.h>
 
-#include "render/image_renderer.h"
+#include "render/trace/image_renderer.h"
 #include "tests/doctor/pictures.h"
 #include "tests/render/test_scenes.h"
 

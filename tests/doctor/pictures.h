@@ -16,7 +16,7 @@
 #include "doctor/evidence.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
-#include "render/dataset_renderer.h"
+#include "render/recipe/dataset_renderer.h"
 #include "tests/support/temporary_folder.h"
 
 namespace ld {

@@ -1,9 +1,9 @@
 // Training configurations and scene recipes.
 #include "core/config_tree.h"
 #include "models/check_network.h"
-#include "render/recipe.h"
+#include "render/recipe/recipe.h"
 #include "tests/fuzz/fuzz_file.h"
-#include "training/config.h"
+#include "training/run/config.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::filesystem::path path = ld::fuzz_file("input.yaml", data, size);

@@ -1,5 +1,5 @@
 // glTF scenes, text and binary: what this project reads of them itself, and Assimp the rest.
-#include "render/scene_file.h"
+#include "render/file/scene_file.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -1,5 +1,5 @@
 // What a checkpoint says of its training. What is accepted is written and read again to the same text.
-#include "training/training_state.h"
+#include "training/run/training_state.h"
 
 #include "tests/fuzz/fuzz_file.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
-#include "dataset/network_input.h"
+#include "dataset/input_tensors.h"
 #include "inference/denoiser.h"
 #include "models/initialise.h"
 #include "tests/support/temporary_folder.h"

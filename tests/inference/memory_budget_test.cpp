@@ -4,7 +4,7 @@
 #include <cmath>
 #include <regex>
 
-#include "dataset/network_input.h"
+#include "dataset/input_tensors.h"
 #include "inference/denoiser.h"
 #include "models/row_strips.h"
 #include "tests/models/small_network.h"

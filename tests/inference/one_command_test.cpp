@@ -8,7 +8,7 @@
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
 #include "import/recognise.h"
-#include "inference/frame_sequence.h"
+#include "inference/sequence_names.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/exr_parts.h"
 #include "tests/support/random_frame.h"

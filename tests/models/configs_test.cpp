@@ -6,7 +6,7 @@
 
 #include "losses/loss.h"
 #include "models/network.h"
-#include "training/config.h"
+#include "training/run/config.h"
 
 namespace ld {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
 #include "tests/models/small_network.h"
 
 namespace ld {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "models/layer_network.h"
+#include "models/networks/layer_network.h"
 #include "tests/models/small_network.h"
 
 namespace ld {

@@ -1,5 +1,5 @@
 // What the layered denoiser hands out between its stages.
-#include "models/layer_network.h"
+#include "models/networks/layer_network.h"
 
 #include <gtest/gtest.h>
 

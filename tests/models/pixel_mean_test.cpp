@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
 

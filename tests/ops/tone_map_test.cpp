@@ -1,4 +1,4 @@
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // Sampling, energy and reciprocity of every scattering function.
-#include "render/bsdf.h"
+#include "render/shading/bsdf.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "core/random.h"
-#include "render/coat.h"
-#include "render/metals.h"
-#include "render/microfacet.h"
+#include "render/shading/coat.h"
+#include "render/shading/metals.h"
+#include "render/shading/microfacet.h"
 
 namespace ld {
 namespace {

@@ -1,5 +1,5 @@
 // Recipes, data sets that are finished in pieces, and ld_render as its users meet it.
-#include "render/dataset_renderer.h"
+#include "render/recipe/dataset_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "frame/manifest.h"
 #include "frame/picture_place.h"
 #include "metrics/metric.h"
-#include "render/image_renderer.h"
+#include "render/trace/image_renderer.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "render/image_renderer.h"
+#include "render/trace/image_renderer.h"
 #include "tests/render/test_scenes.h"
 
 namespace ld {

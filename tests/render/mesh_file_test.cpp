@@ -1,10 +1,10 @@
 // Meshes read from the user's files.
-#include "render/mesh_file.h"
+#include "render/geometry/mesh_file.h"
 
 #include <gtest/gtest.h>
 
 #include "core/file_io.h"
-#include "render/mesh_tools.h"
+#include "render/geometry/mesh_tools.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 

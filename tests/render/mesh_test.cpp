@@ -1,4 +1,4 @@
-#include "render/mesh.h"
+#include "render/geometry/mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/error.h"
-#include "render/noise.h"
-#include "render/prepared_scene.h"
+#include "render/geometry/noise.h"
+#include "render/trace/prepared_scene.h"
 #include "tests/render/mesh_volume.h"
 #include "tests/render/test_scenes.h"
 #include "tests/support/expect_error.h"

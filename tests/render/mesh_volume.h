@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/mesh.h"
+#include "render/geometry/mesh.h"
 
 namespace ld {
 

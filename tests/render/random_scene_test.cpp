@@ -1,5 +1,5 @@
 // Random scenes: seeded, varied, renderable.
-#include "render/random_scene.h"
+#include "render/random/random_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <set>
 
 #include "core/file_io.h"
-#include "render/contact_sheet.h"
-#include "render/image_renderer.h"
+#include "render/recipe/contact_sheet.h"
+#include "render/trace/image_renderer.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // Robust means, references in parts and what they say of themselves.
-#include "render/robust_mean.h"
+#include "render/geometry/robust_mean.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/random.h"
-#include "render/image_renderer.h"
+#include "render/trace/image_renderer.h"
 #include "tests/render/test_scenes.h"
 
 namespace ld {

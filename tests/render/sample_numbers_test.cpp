@@ -1,4 +1,4 @@
-#include "render/sample_numbers.h"
+#include "render/geometry/sample_numbers.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // Scenes from files: small ones that the test writes, where every number is known, and Assimp's own test
 // models.
-#include "render/scene_file.h"
+#include "render/file/scene_file.h"
 
 #include <gtest/gtest.h>
 
 #include "core/checksum.h"
-#include "render/gltf_json.h"
-#include "render/scene_file_config.h"
+#include "render/file/gltf_json.h"
+#include "render/file/scene_file_config.h"
 #include "tests/render/test_gltf.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -1,13 +1,13 @@
 // Data sets from one scene file: which views there are, and ld_render from end to end.
-#include "render/scene_views.h"
+#include "render/file/scene_views.h"
 
 #include <gtest/gtest.h>
 
 #include "core/file_io.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
-#include "render/dataset_renderer.h"
-#include "render/scene_source.h"
+#include "render/recipe/dataset_renderer.h"
+#include "render/recipe/scene_source.h"
 #include "tests/render/test_gltf.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/run_program.h"

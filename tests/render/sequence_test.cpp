@@ -1,11 +1,11 @@
 // Sequences: objects and camera from frame to frame, and the flow that says where surface points were before.
-#include "render/sequence.h"
+#include "render/recipe/sequence.h"
 
 #include <gtest/gtest.h>
 
-#include "render/path_tracer.h"
-#include "render/random_scene.h"
-#include "render/scene_source.h"
+#include "render/random/random_scene.h"
+#include "render/recipe/scene_source.h"
+#include "render/trace/path_tracer.h"
 
 namespace ld {
 namespace {

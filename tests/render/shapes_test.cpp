@@ -1,6 +1,6 @@
 // Every kind of model of the random scenes, for random parameters; and the building blocks against closed
 // forms.
-#include "render/shapes/shapes.h"
+#include "render/random/shapes/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <set>
 #include <tuple>
 
-#include "render/mesh_tools.h"
-#include "render/shapes/model.h"
+#include "render/geometry/mesh_tools.h"
+#include "render/random/shapes/model.h"
 #include "tests/render/mesh_volume.h"
 
 namespace ld {

@@ -1,7 +1,7 @@
 // Guides through mirrors and smooth glass: those of the virtual image, against closed forms.
 #include <gtest/gtest.h>
 
-#include "render/guides.h"
+#include "render/trace/guides.h"
 #include "tests/render/test_scenes.h"
 
 namespace ld {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/file_io.h"
-#include "render/vec3.h"
+#include "render/geometry/vec3.h"
 
 namespace ld {
 

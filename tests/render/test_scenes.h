@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "render/path_tracer.h"
+#include "render/trace/path_tracer.h"
 
 namespace ld {
 

@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "benchmark/svg_plot.h"
 #include "core/file_io.h"
 #include "core/text_table.h"
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
+#include "plot/svg_plot.h"
 #include "tests/stability/filters.h"
 
 namespace ld {

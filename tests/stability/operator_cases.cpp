@@ -8,7 +8,7 @@
 #include "ops/kernel_gather.h"
 #include "ops/kernel_splat.h"
 #include "ops/partition.h"
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
 #include "ops/weighted_sum.h"
 #include "tests/support/tensors.h"
 

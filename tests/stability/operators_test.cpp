@@ -6,7 +6,7 @@
 
 #include "core/tone_map.h"
 #include "ops/composition.h"
-#include "ops/tone_map.h"
+#include "ops/tone_map_tensor.h"
 #include "tests/stability/operator_cases.h"
 #include "tests/support/gradient_check.h"
 

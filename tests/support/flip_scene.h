@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "frame/frame.h"
-#include "render/path_tracer.h"
+#include "render/trace/path_tracer.h"
 
 namespace ld {
 

@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "tests/support/free_port.h"
-#include "training/process_group.h"
+#include "training/distributed/process_group.h"
 
 namespace ld {
 

@@ -1,5 +1,5 @@
 // Checkpoints survive what happens to disks and processes: kills, full disks, lost and damaged files.
-#include "training/checkpoint_folder.h"
+#include "training/run/checkpoint_folder.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // The watch on synthetic losses: what is a collapse, after how many steps, and what is none.
-#include "training/collapse_watch.h"
+#include "training/run/collapse_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Each rank is a thread here, with a connection of its own; tests/apps/distributed_test.cpp has processes.
-#include "training/process_group.h"
+#include "training/distributed/process_group.h"
 
 #include <gtest/gtest.h>
 

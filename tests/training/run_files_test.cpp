@@ -10,11 +10,11 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
-#include "training/event_log.h"
-#include "training/pace.h"
-#include "training/run_folder.h"
-#include "training/schedule.h"
-#include "training/training_state.h"
+#include "training/run/event_log.h"
+#include "training/run/pace.h"
+#include "training/run/run_folder.h"
+#include "training/run/schedule.h"
+#include "training/run/training_state.h"
 
 namespace ld {
 namespace {

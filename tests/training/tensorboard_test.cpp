@@ -1,5 +1,5 @@
 // The reader here shares nothing with the writer: records, both checksums, fields of the messages.
-#include "training/tensorboard.h"
+#include "training/run/tensorboard.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

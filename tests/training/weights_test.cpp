@@ -5,7 +5,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/tensors.h"
 #include "tests/training/tiny_training.h"
-#include "training/initial_weights.h"
+#include "training/fine_tuning.h"
 #include "training/training_data.h"
 #include "weights/model_file.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "apps/inspect/report.h"
+#include "apps/inspect/inspect_report.h"
 
 namespace ld {
 

@@ -6,8 +6,8 @@
 #include "core/error.h"
 #include "frame/schema.h"
 #include "models/check_network.h"
-#include "render/recipe.h"
-#include "training/config.h"
+#include "render/recipe/recipe.h"
+#include "training/run/config.h"
 
 namespace ld {
 

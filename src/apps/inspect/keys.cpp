@@ -8,8 +8,8 @@
 #include "import/mapping.h"
 #include "import/view_camera.h"
 #include "models/check_network.h"
-#include "render/recipe.h"
-#include "training/config.h"
+#include "render/recipe/recipe.h"
+#include "training/run/config.h"
 
 namespace ld {
 namespace {

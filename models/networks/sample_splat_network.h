@@ -1,0 +1,27 @@
+// SampleSplat of [MH20] section 5, after Gharbi et al. 2019: a kernel for each sample, network name
+// "sample_splat".
+#pragma once
+
+#include "models/kernel_generator.h"
+#include "models/networks/context_network.h"
+
+namespace ld {
+
+/// Every sample scatters its radiance with a kernel of its own, made from its embedding and the context:
+///   o(q) = sum_ps exp(e_s(p,q)) L_s(p) / sum_ps exp(e_s(p,q)),  e_s(p,q) = logit_s(p,q) - m_p,
+/// m_p the largest logit of the pixel over taps and valid samples.
+class SampleSplatNetwork : public ContextNetwork {
+ public:
+  explicit SampleSplatNetwork(const NetworkConfig& config);
+
+  int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const override;
+
+ private:
+  torch::Tensor denoise(const InputSource& input) override;
+  Kernels make_kernels(const InputSource& input) override;
+  int64_t row_bytes(const PictureSize& size, int64_t samples) const;
+
+  std::shared_ptr<KernelGenerator> kernel_generator_;
+};
+
+}  // namespace ld

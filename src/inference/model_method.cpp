@@ -1,0 +1,36 @@
+#include "inference/model_method.h"
+
+#include <algorithm>
+
+#include "models/network_cost.h"
+#include "weights/weight_file.h"
+
+namespace ld {
+
+std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments,
+                                     std::vector<std::string>& features) {
+  std::vector<LoadedModel> models;
+  for (const ModelArgument& argument : arguments) {
+    models.push_back({argument, std::make_shared<const Denoiser>(argument.file)});
+    for (const std::string& feature : models.back().denoiser->features())
+      if (std::find(features.begin(), features.end(), feature) == features.end()) features.push_back(feature);
+  }
+  return models;
+}
+
+MethodCost cost_of(const LoadedModel& model, const Frame& frame) {
+  int64_t parameters = 0;
+  const SafetensorsFile file(resolve_model(model.argument.file));
+  for (const TensorView& tensor : file.tensors())
+    parameters += static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
+  const NetworkCost cost =
+      multiply_adds(model.denoiser->network_config(), frame.spp, frame.height, frame.width);
+  return {parameters, cost.total() / static_cast<double>(frame.plane_size())};
+}
+
+Method method_of(const LoadedModel& model, const MethodCost& cost) {
+  const std::shared_ptr<const Denoiser> denoiser = model.denoiser;
+  return {model.argument.name, [denoiser](const Frame& frame) { return denoiser->denoise(frame); }, cost};
+}
+
+}  // namespace ld
