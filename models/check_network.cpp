@@ -14,15 +14,11 @@ namespace {
 
 constexpr size_t kMostResolutions = 15;  // pictures are padded to multiples of 2^15 at most
 
-struct Traits {
-  bool has_layers, has_levels, reads_means, rejects;
-};
-
-const std::map<std::string, Traits>& networks() {
-  static const std::map<std::string, Traits> traits = {
-      {"layer", {true, false, false, true}},         {"optimized", {true, true, false, true}},
-      {"pixel_gather", {false, false, true, false}}, {"pixel_splat", {false, false, true, true}},
-      {"sample_splat", {false, false, false, true}},
+const std::map<std::string, NetworkTraits>& networks() {
+  static const std::map<std::string, NetworkTraits> traits = {
+#define LD_NETWORK(name, type, traits) {name, traits},
+#include "models/networks.def"
+#undef LD_NETWORK
   };
   return traits;
 }
@@ -42,22 +38,23 @@ void check_choice(const char* key, const std::string& value, const std::vector<s
 
 /// Keys that somebody set to choose between networks, on a network that cannot follow.
 void check_use(const NetworkConfig& config) {
-  const Traits& network = networks().at(config.name);
+  const NetworkTraits& network = network_traits(config.name);
+  const bool has_layers = network.sources == Sources::layers;
   const NetworkConfig unset;
-  if (!network.has_layers && config.compositing != unset.compositing)
+  if (!has_layers && config.compositing != unset.compositing)
     fail_usage("network.compositing is '{}', but network '{}' has no layers to composite; leave it out",
                config.compositing, config.name);
-  if (!network.has_layers && config.layers != unset.layers)
+  if (!has_layers && config.layers != unset.layers)
     fail_usage("network.layers is {}, but network '{}' has no layers; leave it out", config.layers,
                config.name);
   if (!network.has_levels && config.levels != unset.levels)
     fail_usage(
         "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized'",
         config.levels, config.name);
-  if (config.rejection && !network.rejects)
+  if (config.rejection && !network.splats)
     fail_usage("network.rejection is true, but network '{}' weighs what it receives anyway; leave it out",
                config.name);
-  if (config.means && !network.reads_means)
+  if (config.means && network.sources != Sources::pixels)
     fail_usage(
         "network.means is true, but network '{}' works on samples; use 'pixel_gather' or 'pixel_splat', or "
         "leave "
@@ -74,6 +71,11 @@ std::vector<std::string> network_names() {
   std::vector<std::string> names;
   for (const auto& [name, traits] : networks()) names.push_back(name);
   return names;
+}
+
+const NetworkTraits& network_traits(const std::string& name) {
+  check_choice("name", name, network_names());
+  return networks().at(name);
 }
 
 // What the reader of the file cannot see: that the sizes fit together. Weight files bring configurations too.

@@ -34,30 +34,35 @@ int64_t round_up(int64_t value, int64_t multiple) {
 }
 
 /// What a network filters: one kernel for each source of each pixel.
-struct Sources {
+struct Counts {
   double samples;   // that pass through the reducer
   double kernels;   // a pixel
   double channels;  // filtered with each, the sum of weights among them
 };
 
-Sources sources_of(const NetworkConfig& config, double spp) {
+Counts counts_of(const NetworkConfig& config, double spp) {
   const double layers = double(config.layers);
   // Radiance in one form or two and the sum of weights; alpha compositing filters a transmittance too.
   const double light = config.demodulation == "none" ? 3 : 6;
   const double channels = light + (config.compositing == "alpha" ? 2 : 1);
-  if (config.name == "layer" || config.name == "optimized") return {spp, layers, channels};
-  if (config.name == "sample_splat") return {spp, spp, light + 1};
-  if (config.name == "pixel_gather" || config.name == "pixel_splat") return {1, 1, light + 1};
-  fail("cost of a network: '{}' is not in the table", config.name);
+  switch (network_traits(config.name).sources) {
+    case Sources::layers:
+      return {spp, layers, channels};
+    case Sources::samples:
+      return {spp, spp, light + 1};
+    case Sources::pixels:
+      return {1, 1, light + 1};
+  }
+  fail("cost of a network: '{}' has sources of an unknown kind", config.name);
 }
 
 }  // namespace
 
 NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t height, int64_t width) {
   const auto network = make_network(config);
-  const Sources sources = sources_of(config, double(spp));
+  const Counts sources = counts_of(config, double(spp));
   const double pixels = double(height * width);
-  const bool optimized = config.name == "optimized";
+  const bool has_levels = network_traits(config.name).has_levels;
   // Pixels of the picture whose sides are halved `level` times.
   const auto pixels_at = [&](int64_t level) {
     const int64_t scale = int64_t(1) << level;
@@ -84,14 +89,14 @@ NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t heig
     } else if (starts_with(name, "rejection.")) {
       cost.filtering += weights * pixels * sources.kernels;
     } else if (starts_with(name, "kernel_generator")) {
-      const int64_t level = optimized ? trailing_number(name) : 0;
+      const int64_t level = has_levels ? trailing_number(name) : 0;
       cost.kernel_generator += weights * pixels_at(level) * sources.kernels;
     } else {
       fail("cost of a network: '{}' has a parameter '{}' of unknown use", config.name, name);
     }
   }
   const auto taps = double(config.kernel_size * config.kernel_size);
-  for (int64_t level = 0; level < (optimized ? config.levels : 1); ++level)
+  for (int64_t level = 0; level < (has_levels ? config.levels : 1); ++level)
     cost.filtering += pixels_at(level) * sources.kernels * taps * sources.channels;
   return cost;
 }

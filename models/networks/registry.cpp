@@ -1,4 +1,4 @@
-// Which networks there are.
+// Makes the networks of networks.def.
 #include <functional>
 #include <map>
 
@@ -17,14 +17,11 @@ std::shared_ptr<Network> make(const NetworkConfig& config) {
   return std::make_shared<T>(config);
 }
 
-/// A new network is one line here, one in check_network.cpp and one file beside this.
 const std::map<std::string, Maker>& registry() {
   static const std::map<std::string, Maker> networks = {
-      {"layer", make<LayerNetwork>},
-      {"optimized", make<OptimizedNetwork>},
-      {"pixel_gather", make<PixelGatherNetwork>},
-      {"pixel_splat", make<PixelSplatNetwork>},
-      {"sample_splat", make<SampleSplatNetwork>},
+#define LD_NETWORK(name, type, traits) {name, make<type>},
+#include "models/networks.def"
+#undef LD_NETWORK
   };
   return networks;
 }

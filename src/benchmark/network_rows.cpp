@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "benchmark/workloads.h"
 #include "frame/schema.h"
 #include "losses/loss.h"
@@ -55,25 +53,15 @@ Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t sid
 }
 
 std::vector<RowSpec> network_rows(const BenchSizes& sizes) {
-  struct Entry {
-    std::string row, network;
-    bool train;
-  };
-  const std::vector<Entry> entries = {{"layer_infer_256", "layer", false},
-                                      {"layer_train_128", "layer", true},
-                                      {"optimized_infer_256", "optimized", false},
-                                      {"optimized_train_128", "optimized", true},
-                                      {"sample_splat_infer_256", "sample_splat", false},
-                                      {"pixel_gather_infer_256", "pixel_gather", false}};
-  const std::vector<std::string> known = network_names();
   std::vector<RowSpec> rows;
-  for (const Entry& entry : entries) {
-    if (std::find(known.begin(), known.end(), entry.network) == known.end()) continue;
-    rows.push_back({entry.row, [sizes, entry] {
-                      const NetworkConfig config = bench_config(sizes, entry.network);
-                      return entry.train ? training_workload(config, sizes.spp, sizes.training)
-                                         : inference_workload(config, sizes.spp, sizes.inference);
+  for (const std::string& name : network_names()) {
+    rows.push_back({name + "_infer_256", [sizes, name] {
+                      return inference_workload(bench_config(sizes, name), sizes.spp, sizes.inference);
                     }});
+    if (network_traits(name).sources == Sources::layers)
+      rows.push_back({name + "_train_128", [sizes, name] {
+                        return training_workload(bench_config(sizes, name), sizes.spp, sizes.training);
+                      }});
   }
   return rows;
 }

@@ -30,11 +30,6 @@ Module& child(Network& network, const char* name) {
   return *found;
 }
 
-bool is_known(const std::string& network) {
-  const std::vector<std::string> names = network_names();
-  return std::find(names.begin(), names.end(), network) != names.end();
-}
-
 NetworkStages stages_of(const BenchSizes& sizes, const std::string& name, int repeats) {
   const auto network = bench_network(bench_config(sizes, name));
   const NetworkConfig& config = network->config();
@@ -111,8 +106,8 @@ std::vector<NetworkCosts> cost_by_samples(const BenchSizes& sizes, const std::ve
 
 std::vector<NetworkStages> time_by_stage(const BenchSizes& sizes, int repeats) {
   std::vector<NetworkStages> all;
-  for (const char* name : {"layer", "optimized"})
-    if (is_known(name)) all.push_back(stages_of(sizes, name, repeats));
+  for (const std::string& name : network_names())
+    if (network_traits(name).sources == Sources::layers) all.push_back(stages_of(sizes, name, repeats));
   return all;
 }
 

@@ -50,7 +50,7 @@ Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t sid
 /// layer network; _train is a forward pass that keeps what it needs, and the backward pass.
 std::vector<RowSpec> operator_rows(const BenchSizes& sizes);
 
-/// layer_infer_256 and others; those of networks that are registered.
+/// Inference of every network, layer_infer_256 and so on; training of those with layers.
 std::vector<RowSpec> network_rows(const BenchSizes& sizes);
 
 }  // namespace ld

@@ -4,6 +4,7 @@
 #include "export/onnx_filters.h"
 #include "export/onnx_modules.h"
 #include "frame/schema.h"
+#include "models/check_network.h"
 #include "models/rejection_range.h"
 
 namespace ld {
@@ -159,14 +160,6 @@ Filtered pixel(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& sam
           context};
 }
 
-Filtered pixel_gather(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
-  return pixel(g, config, samples, true);
-}
-
-Filtered pixel_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
-  return pixel(g, config, samples, false);
-}
-
 /// models/networks/sample_splat_network.h.
 Filtered sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   g.enter("valid_features");
@@ -187,24 +180,22 @@ Filtered sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSampl
           context};
 }
 
-using Translation = Filtered (*)(OnnxGraph&, const NetworkConfig&, const OnnxSamples&);
-
-/// As the registry of models/network.cpp.
-const std::map<std::string, Translation>& translations() {
-  static const std::map<std::string, Translation> by_name = {{"layer", layer},
-                                                             {"optimized", optimized},
-                                                             {"pixel_gather", pixel_gather},
-                                                             {"pixel_splat", pixel_splat},
-                                                             {"sample_splat", sample_splat}};
-  return by_name;
+Filtered filtered(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
+  const NetworkTraits& network = network_traits(config.name);
+  switch (network.sources) {
+    case Sources::layers:
+      return network.has_levels ? optimized(g, config, samples) : layer(g, config, samples);
+    case Sources::samples:
+      return sample_splat(g, config, samples);
+    case Sources::pixels:
+      return pixel(g, config, samples, !network.splats);
+  }
+  fail("network '{}' has no ONNX form; export it as safetensors", config.name);
 }
 
 }  // namespace
 
 onnx::ModelProto onnx_model(const NetworkConfig& config, const std::vector<TensorView>& weights) {
-  const auto translation = translations().find(config.name);
-  if (translation == translations().end())
-    fail("network '{}' has no ONNX form; export it as safetensors", config.name);
   OnnxGraph g(weights);
   const int64_t channels = channel_count(config.features);
   const Value features = g.input("features", {"B", "S", std::to_string(channels), "H", "W"});
@@ -217,11 +208,11 @@ onnx::ModelProto onnx_model(const NetworkConfig& config, const std::vector<Tenso
     samples.features = onnx_exposed(g, samples, first_radiance, channels);
   Value image;
   if (config.demodulation == "none") {
-    image = translation->second(g, config, samples).picture;
+    image = filtered(g, config, samples).picture;
   } else {
     const Value a = onnx_demodulator(g, config, samples.features);
-    const Filtered filtered = translation->second(g, config, onnx_demodulated(g, samples, a));
-    image = onnx_modulated(g, samples, a, filtered.picture, filtered.context);
+    const Filtered modulated = filtered(g, config, onnx_demodulated(g, samples, a));
+    image = onnx_modulated(g, samples, a, modulated.picture, modulated.context);
   }
   g.output(image, "image", {"B", "3", "H", "W"});
   return g.model();

@@ -8,9 +8,11 @@ namespace ld {
 
 /// What make_loss() (losses/loss.h) knows, in alphabetical order.
 inline const std::vector<std::string>& loss_names() {
-  static const std::vector<std::string> names = {"l1",          "l2_tonemapped",   "l2_tonemapped_linear",
-                                                 "relative_l2", "relmse",          "smape",
-                                                 "smape_l2",    "smape_multiscale"};
+  static const std::vector<std::string> names = {
+#define LD_LOSS(name, function) name,
+#include "losses/losses.def"
+#undef LD_LOSS
+  };
   return names;
 }
 

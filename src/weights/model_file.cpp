@@ -88,8 +88,8 @@ void expect_size(const SafetensorsFile& file, const NetworkConfig& config) {
 }  // namespace
 
 int64_t parameter_count(const NetworkConfig& config) {
-  const bool pixels = config.name == "pixel_gather" || config.name == "pixel_splat",
-             levels = config.name == "optimized", layers = levels || config.name == "layer";
+  const NetworkTraits& network = network_traits(config.name);
+  const bool pixels = network.sources == Sources::pixels, levels = network.has_levels;
   const int64_t embedding = config.sample_reducer.back(), taps = config.kernel_size * config.kernel_size;
   int64_t count =
       chain_count(chain((pixels ? 2 : 1) * channel_count(config.features), config.sample_reducer)) +
@@ -101,7 +101,7 @@ int64_t parameter_count(const NetworkConfig& config) {
   };
   for (int64_t i = 0; i < (levels ? config.levels : 1); ++i)
     generator(UNet::feature_channels(config.unet, i), taps + (levels && i == 0 ? config.levels : 0));
-  if (layers) {
+  if (network.sources == Sources::layers) {
     std::vector<int64_t> widths = chain(embedding + config.unet.context, config.sample_partitioner);
     widths.push_back(config.layers);
     count += chain_count(widths);

@@ -51,9 +51,9 @@ TEST(LdBench, OpsGivesEveryRow) {
 TEST(LdBench, NetworkGivesEveryRowTableAndFigure) {
   const TemporaryFolder folder;
   const auto json = run_bench(folder, {"network"});
-  const std::set<std::string> expected = {"layer_infer_256",        "layer_train_128",
-                                          "optimized_infer_256",    "optimized_train_128",
-                                          "pixel_gather_infer_256", "sample_splat_infer_256"};
+  const std::set<std::string> expected = {
+      "layer_infer_256",        "layer_train_128",       "optimized_infer_256",   "optimized_train_128",
+      "pixel_gather_infer_256", "pixel_splat_infer_256", "sample_splat_infer_256"};
   EXPECT_EQ(check_rows(json.at("rows")), expected);
   EXPECT_EQ(json.at("samples").size(), 2);
   EXPECT_EQ(json.at("stages").size(), 8);
