@@ -95,7 +95,8 @@ std::vector<torch::Tensor> in_strips(int64_t first, int64_t last, int64_t step, 
     for (size_t i = 0; i < strip.size(); ++i) {
       if (begin == first) {
         std::vector<int64_t> sizes = strip[i].sizes().vec();
-        sizes[sizes.size() - 2] = last - first;
+        // Checked, as GCC 14 warns that there might be one size only.
+        sizes.at(sizes.size() - 2) = last - first;
         const bool picture = sizes.size() == 4;  // may have its channels last
         whole.push_back(at::empty(sizes, strip[i].options(),
                                   picture ? strip[i].suggest_memory_format() : at::MemoryFormat::Contiguous));

@@ -3,6 +3,7 @@
 #include <c10/core/Allocator.h>
 #include <c10/core/CPUAllocator.h>
 #include <sys/mman.h>
+#include <torch/version.h>
 
 #include <algorithm>
 #include <map>
@@ -106,14 +107,30 @@ void give_back(void* data) {
   if (!pool().give_back(data)) system_allocator().raw_deleter()(data);
 }
 
+c10::DataPtr allocate_data(size_t bytes) {
+  if (bytes < kSmallest || composed_operators()) return system_allocator().allocate(bytes);
+  void* data = pool().take(bytes);
+  return {data, data, &give_back, c10::Device(c10::DeviceType::CPU)};
+}
+
 class PoolAllocator : public c10::Allocator {
  public:
-  c10::DataPtr allocate(size_t bytes) const override {
-    if (bytes < kSmallest || composed_operators()) return system_allocator().allocate(bytes);
-    void* data = pool().take(bytes);
-    return {data, data, &give_back, c10::Device(c10::DeviceType::CPU)};
+// LibTorch 2.6 allocates with a function that is not const, and has allocators copy what they own.
+#if TORCH_VERSION_MAJOR >= 2
+  c10::DataPtr allocate(size_t bytes) override {
+    return allocate_data(bytes);
   }
-  c10::DeleterFnPtr raw_deleter() const override { return &give_back; }
+  void copy_data(void* to, const void* from, size_t bytes) const override {
+    default_copy_data(to, from, bytes);
+  }
+#else
+  c10::DataPtr allocate(size_t bytes) const override {
+    return allocate_data(bytes);
+  }
+#endif
+  c10::DeleterFnPtr raw_deleter() const override {
+    return &give_back;
+  }
 };
 
 }  // namespace
