@@ -256,6 +256,36 @@ TEST(SceneFileModels, EngineOfManyParts) {
   EXPECT_GT(obj.objects.size(), 10U);
 }
 
+TEST_F(SceneFileTest, WhatLiesBeyondABufferIsNotRead) {
+  const nlohmann::json original = gltf.root;
+  const auto expect = [&](const nlohmann::json::json_pointer& place, const nlohmann::json& value,
+                          const char* complaint) {
+    gltf.root = original;
+    gltf.root[place] = value;
+    EXPECT_ERROR(scene(), complaint);
+  };
+  using Place = nlohmann::json::json_pointer;
+  expect(Place("/accessors/0/byteOffset"), 5,
+         "accessors[0]: expected 4 elements of 12 bytes within the 48 bytes of its view");
+  expect(Place("/accessors/0/count"), 5, "accessors[0]: expected 5 elements");
+  expect(Place("/accessors/0/count"), uint64_t{1} << 40, "accessors[0]: expected 1099511627776 elements");
+  expect(Place("/accessors/0/count"), -1, "accessors[0].count: expected a whole number");
+  expect(Place("/accessors/0/componentType"), 5124, "accessors[0].componentType");
+  expect(Place("/accessors/0/type"), "VEC5", "accessors[0].type");
+  expect(Place("/accessors/0/bufferView"), 7, "accessors[0].bufferView: expected an index below 3");
+  expect(Place("/bufferViews/0/byteStride"), 16, "accessors[0]: expected 4 elements");
+  expect(Place("/bufferViews/0/byteStride"), 4, "bufferViews[0].byteStride: expected at least the 12 bytes");
+  expect(Place("/bufferViews/0/byteLength"), 49,
+         "bufferViews[0]: expected a place within the 48 bytes of its buffer");
+  const nlohmann::json place = {{"bufferView", 0}, {"byteOffset", 40}};
+  nlohmann::json indices = place;
+  indices["componentType"] = 5123;
+  expect(Place("/accessors/0/sparse"), {{"count", 5}, {"indices", indices}, {"values", place}},
+         "sparse.count: expected at most");
+  expect(Place("/accessors/0/sparse"), {{"count", 1}, {"indices", indices}, {"values", place}},
+         "sparse.values: expected 1 elements");
+}
+
 TEST_F(SceneFileTest, BrokenFilesGiveOneClearLine) {
   const auto text = [&](const char* name, const std::string& bytes) {
     write_file_atomically(folder / name, bytes);

@@ -9,11 +9,14 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/json_text.h"
+#include "render/file/gltf_buffers.h"
+#include "render/file/gltf_item.h"
 
 namespace ld {
 namespace {
 
 using nlohmann::json;
+using Item = GltfItem;
 
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A;  // "glTF", "JSON"
 constexpr size_t kHeader = 12, kChunkHeader = 8;
@@ -43,58 +46,6 @@ size_t json_length(const std::string& bytes, const std::string& name) {
     fail("{}: damaged: no JSON chunk of {} bytes at its beginning; export it again", name, length);
   return length;
 }
-
-/// An entry of the JSON with complaints that name the place.
-class Item {
- public:
-  Item(const json& value, std::string where) : value_(value), where_(std::move(where)) {}
-
-  /// The member, or null's item when it is not there.
-  Item operator[](const char* key) const {
-    static const json nothing;
-    if (value_.is_null()) return {nothing, where_};
-    if (!value_.is_object()) wrong("an object");
-    const auto it = value_.find(key);
-    return {it == value_.end() ? nothing : *it, where_ + "." + key};
-  }
-  bool there() const { return !value_.is_null(); }
-  size_t size() const {
-    if (there() && !value_.is_array()) wrong("a list");
-    return value_.size();
-  }
-  Item at(size_t index) const { return {value_.at(index), fmt::format("{}[{}]", where_, index)}; }
-  /// The item of `list` that this index names.
-  Item in(const Item& list) const {
-    if (!value_.is_number_unsigned() || value_.get<size_t>() >= list.size())
-      wrong(fmt::format("an index below {}", list.size()));
-    return list.at(value_.get<size_t>());
-  }
-  float number(float fallback) const {
-    if (!there()) return fallback;
-    if (!value_.is_number() || !std::isfinite(value_.get<float>())) wrong("a number");
-    return value_.get<float>();
-  }
-  std::string text(const std::string& fallback) const {
-    if (!there()) return fallback;
-    if (!value_.is_string()) wrong("a text");
-    return value_.get<std::string>();
-  }
-  Vec3 colour(Vec3 fallback) const {
-    if (!there()) return fallback;
-    if (value_.is_number()) return grey(number(0));
-    if (size() != 3) wrong("three numbers");
-    return {at(0).number(0), at(1).number(0), at(2).number(0)};
-  }
-  [[noreturn]] void wrong(const std::string& expected) const {
-    std::string found = value_.dump(-1, ' ', true, json::error_handler_t::replace);
-    if (found.size() > 60) found = found.substr(0, 60) + "...";
-    fail("{}: expected {}, found {}", where_, expected, found);
-  }
-
- private:
-  const json& value_;
-  std::string where_;
-};
 
 MaterialKind kind_of(const Item& item) {
   static const std::map<std::string, MaterialKind> kinds = {
@@ -234,6 +185,7 @@ GltfFile read_gltf(const std::filesystem::path& path) {
     if (version.substr(0, 2) == "1.") return {bytes, {}, {}, {}, {}, {}};
     fail("{}: asset.version is '{}'; expected 2.0 (or 1.0); is it a glTF file?", name, version);
   }
+  check_gltf_buffers(top);
   read_nodes(top, file);
   const Item materials = top["materials"];
   for (size_t i = 0; i < materials.size(); ++i) file.materials.push_back(read_material(materials.at(i), i));
