@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that the project needs and configures the build. Safe to run twice.
 #   scripts/setup.sh             what the programs and tests need
-#   scripts/setup.sh --dev       also the tools of scripts/check.sh and scripts/fuzz.sh
+#   scripts/setup.sh --dev       also the tools of scripts/check.sh, scripts/fuzz.sh and scripts/test_debian13.sh
 #   scripts/setup.sh --no-tests  configure without the tests
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -28,7 +28,7 @@ test_packages=(
 tests=ON
 for argument in "$@"; do
   case "$argument" in
-    --dev) packages+=(clang clang-format clang-tidy clang-tools git libclang-rt-dev libomp-dev) ;;
+    --dev) packages+=(clang clang-format clang-tidy clang-tools debootstrap git libclang-rt-dev libomp-dev) ;;
     --no-tests) tests=OFF ;;
     *) echo "setup.sh: unknown option '$argument'; expected --dev or --no-tests" >&2; exit 2 ;;
   esac
