@@ -277,6 +277,9 @@ TEST_F(SceneFileTest, WhatLiesBeyondABufferIsNotRead) {
   expect(Place("/bufferViews/0/byteStride"), 4, "bufferViews[0].byteStride: expected at least the 12 bytes");
   expect(Place("/bufferViews/0/byteLength"), 49,
          "bufferViews[0]: expected a place within the 48 bytes of its buffer");
+  expect(Place("/accessors/0/count"), 0, "accessors[0].count: expected at least 1");
+  expect(Place("/meshes/0/primitives/0/attributes"), nlohmann::json::object(),
+         "POSITION: expected an index below 3");
   const nlohmann::json place = {{"bufferView", 0}, {"byteOffset", 40}};
   nlohmann::json indices = place;
   indices["componentType"] = 5123;
@@ -284,6 +287,16 @@ TEST_F(SceneFileTest, WhatLiesBeyondABufferIsNotRead) {
          "sparse.count: expected at most");
   expect(Place("/accessors/0/sparse"), {{"count", 1}, {"indices", indices}, {"values", place}},
          "sparse.values: expected 1 elements");
+}
+
+TEST_F(SceneFileTest, AStripOfTooFewVerticesIsAnError) {
+  nlohmann::json& primitive = gltf.root["meshes"][0]["primitives"][0];
+  primitive.erase("indices");
+  for (const auto& [mode, least] : std::vector<std::pair<int, int>>{{2, 2}, {3, 2}, {5, 3}, {6, 3}}) {
+    primitive["mode"] = mode;
+    gltf.root["accessors"][0]["count"] = least - 1;
+    EXPECT_ERROR(scene(), fmt::format("accessors[0].count: expected at least {}", least));
+  }
 }
 
 TEST_F(SceneFileTest, BrokenFilesGiveOneClearLine) {

@@ -46,6 +46,7 @@ void check_within(const GltfItem& item, const GltfItem& views, uint64_t count, u
 void check_accessor(const GltfItem& accessor, const GltfItem& views) {
   const uint64_t count = accessor["count"].whole(0), component = component_bytes(accessor["componentType"]),
                  bytes = component * component_count(accessor["type"]);
+  if (count < 1) accessor["count"].wrong("at least 1");
   if (accessor["bufferView"].there()) check_within(accessor, views, count, bytes, true);
   const GltfItem sparse = accessor["sparse"];
   if (!sparse.there()) return;
@@ -56,12 +57,27 @@ void check_accessor(const GltfItem& accessor, const GltfItem& views) {
   check_within(sparse["values"], views, replaced, bytes, false);
 }
 
+/// Strips and fans have fewer lines and triangles than vertices: of too few vertices Assimp makes 2^32 - 1.
+void check_primitive(const GltfItem& primitive, const GltfItem& accessors) {
+  const GltfItem positions = primitive["attributes"]["POSITION"].in(accessors);
+  const GltfItem counted = primitive["indices"].there() ? primitive["indices"].in(accessors) : positions;
+  static const std::map<uint64_t, uint64_t> least = {{2, 2}, {3, 2}, {5, 3}, {6, 3}};
+  const auto found = least.find(primitive["mode"].whole(4));
+  if (found != least.end() && counted["count"].whole(0) < found->second)
+    counted["count"].wrong(fmt::format("at least {}, for a strip or fan", found->second));
+}
+
 }  // namespace
 
 void check_gltf_buffers(const GltfItem& root) {
   const GltfItem buffers = root["buffers"], views = root["bufferViews"], accessors = root["accessors"];
   for (size_t i = 0; i < views.size(); ++i) check_view(views.at(i), buffers);
   for (size_t i = 0; i < accessors.size(); ++i) check_accessor(accessors.at(i), views);
+  const GltfItem meshes = root["meshes"];
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    const GltfItem primitives = meshes.at(i)["primitives"];
+    for (size_t j = 0; j < primitives.size(); ++j) check_primitive(primitives.at(j), accessors);
+  }
 }
 
 }  // namespace ld

@@ -5,7 +5,8 @@
 
 namespace ld {
 
-/// Throws Error where a buffer view does not lie within its buffer, or an accessor within its view.
+/// Throws Error where a buffer view does not lie within its buffer, an accessor within its view, and where a
+/// part of a mesh has no positions or too few.
 void check_gltf_buffers(const GltfItem& root);
 
 }  // namespace ld
