@@ -4,16 +4,18 @@
 #   scripts/test_debian13.sh                  the tree is /var/tmp/ld_debian13
 #   scripts/test_debian13.sh FOLDER           another one, outside of the project
 #   scripts/test_debian13.sh --fresh [FOLDER] throws the tree away first
+#   scripts/test_debian13.sh --exchange       no tests: once both are built, here and there, each reads what the other wrote (1 min)
 # What is not committed is not tested. Run again, it keeps the installed tree and its build folder and compiles what has changed.
 # JOBS=N sets how many compilers run at once (default: the CPUs). MIRROR=URL takes another mirror.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-fresh=OFF tree=/var/tmp/ld_debian13
+fresh=OFF exchange=OFF tree=/var/tmp/ld_debian13
 for argument in "$@"; do
   case "$argument" in
     --fresh) fresh=ON ;;
-    -*) echo "test_debian13.sh: unknown option '$argument'; expected --fresh or a folder" >&2; exit 2 ;;
+    --exchange) exchange=ON ;;
+    -*) echo "test_debian13.sh: unknown option '$argument'; expected --fresh, --exchange or a folder" >&2; exit 2 ;;
     *) tree=$(realpath -m "$argument") ;;
   esac
 done
@@ -60,14 +62,6 @@ if [ $fresh = ON ] || [ "$(cat "$mark")" != installed ]; then
   echo "test_debian13: made $tree in $SECONDS s"
 fi
 
-# Fetched rather than copied: files that have not changed keep their times, so they are not compiled again.
-copy=$tree/root/layer_denoiser
-[ -d "$copy/.git" ] || git init -q "$copy"
-git -C "$copy" fetch -q --depth 1 "file://$PWD" HEAD
-git -C "$copy" checkout -q -f --detach FETCH_HEAD
-git -C "$copy" clean -q -ffd
-echo "test_debian13: Debian $(cat "$tree/etc/debian_version"), $(git log -1 --format='commit %h: %s')"
-
 in_tree() {
   # shellcheck disable=SC2016
   alone bash -euc '
@@ -77,4 +71,28 @@ in_tree() {
     cd /
     exec chroot "$0" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb "$@"' "$tree" "$@"
 }
+
+if [ $exchange = ON ]; then
+  there() { in_tree bash /root/layer_denoiser/scripts/exchange.sh "$@"; }
+  shared=/root/exchange
+  rm -rf "$tree$shared"
+  scripts/exchange.sh write "$tree$shared/here"
+  there write "$shared/there"
+  for writer in here there; do
+    scripts/exchange.sh read "$tree$shared/$writer" here
+    there read "$shared/$writer" there
+    scripts/exchange.sh compare "$tree$shared/$writer" here there
+  done
+  echo "test_debian13: each of the two builds reads what the other wrote, and differs by rounding"
+  exit
+fi
+
+# Fetched rather than copied: files that have not changed keep their times, so they are not compiled again.
+copy=$tree/root/layer_denoiser
+[ -d "$copy/.git" ] || git init -q "$copy"
+git -C "$copy" fetch -q --depth 1 "file://$PWD" HEAD
+git -C "$copy" checkout -q -f --detach FETCH_HEAD
+git -C "$copy" clean -q -ffd
+echo "test_debian13: Debian $(cat "$tree/etc/debian_version"), $(git log -1 --format='commit %h: %s')"
+
 in_tree CMAKE_BUILD_PARALLEL_LEVEL="${JOBS:-$(nproc)}" bash /root/layer_denoiser/scripts/test.sh
