@@ -14,7 +14,7 @@ METRICS = {"relmse": ("relMSE", 4), "smape": ("SMAPE", 4), "ssim": ("SSIM", 4), 
 
 def hours(card: pathlib.Path, run: pathlib.Path) -> float:
     """timing.csv has the seconds of a step since the row before."""
-    found = re.search(r"([0-9.]+) core hours", card.read_text(encoding="utf-8")) if card.exists() else None
+    found = re.search(r"([0-9.]+) (?:core )?hours", card.read_text(encoding="utf-8")) if card.exists() else None
     seconds, before = 0.0, 0
     with open(run / "timing.csv", newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -32,7 +32,7 @@ def write(card: pathlib.Path, name: str, data: str, scores: pathlib.Path, spent:
     frames = json.loads(pathlib.Path(data, "manifest.json").read_text(encoding="utf-8"))["frames"]
     train = sum(frame["split"] == "train" for frame in frames)
     lines = [
-        f"`configs/{name}.yaml`, trained by `scripts/train_release.sh` for {spent:.1f} core hours in all, at last on {train} frames of",
+        f"`configs/{name}.yaml`, trained by `scripts/train_release.sh` for {spent:.1f} hours in all (by the clock, on one core that other work shared), at last on {train} frames of",
         f"`data/recipes/release.yaml`; one seed. On the {document['frame_count']} validation frames of that recipe, which no step saw but which chose these weights,",
         f"at {document['samples']} samples a pixel (`ld_eval --split validation --samples {document['samples']}`):",
         "",
