@@ -49,7 +49,7 @@ for target in "${targets[@]}"; do
   # Assimp, which glTF goes through, and HDF5 forget some of what they have read of a damaged file.
   # HDF5 asks for as much memory as such a file says, and does without.
   leaks=$([ "$target" = gltf ] || [ "$target" = hdf5 ] && echo 0 || echo 1)
-  ASAN_OPTIONS=allocator_may_return_null=1 build-fuzz/bin/fuzz_"$target" -detect_leaks="$leaks" -max_total_time=$((minutes * 60)) -timeout=25 -rss_limit_mb=3000 -max_len=60000 -print_final_stats=1 \
+  ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks="$leaks" build-fuzz/bin/fuzz_"$target" -detect_leaks="$leaks" -max_total_time=$((minutes * 60)) -timeout=25 -rss_limit_mb=3000 -max_len=60000 -print_final_stats=1 \
     -artifact_prefix="out/fuzz/$target." "out/fuzz/$target" > "out/fuzz/$target.log" 2>&1 || failed=1
   grep -E "^stat::number_of_executed|ERROR|SUMMARY" "out/fuzz/$target.log" || true
   grep -E "cov: [0-9]+" "out/fuzz/$target.log" | tail -1 | sed -E 's/.*(cov: [0-9]+).*/\1/'

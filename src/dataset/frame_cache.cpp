@@ -100,7 +100,8 @@ void advise(const void* data, size_t bytes, int advice) {
   const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
   const auto begin = reinterpret_cast<uintptr_t>(data) / page * page;
   const auto end = reinterpret_cast<uintptr_t>(data) + bytes;
-  madvise(reinterpret_cast<void*>(begin), end - begin, advice);
+  madvise(reinterpret_cast<void*>(begin), end - begin,
+          advice);  // NOLINT(performance-no-int-to-ptr): whole pages
 }
 
 /// Reads the first page of a file, which holds the header, alone: a mapping's first page fault would start a
@@ -191,7 +192,8 @@ void read_ahead(const PackedFrame& frame, const TileRange& range, const SampleLi
   const SampleList list = frame.chosen(samples);
   const size_t sample_bytes = sizeof(uint16_t) * frame.tile_samples() / spp;
   for (int y = range.y0; y < range.y1; ++y) {
-    const auto first = static_cast<size_t>(y * frame.tiles_x() + range.x0);
+    const auto first =
+        static_cast<size_t>(y) * static_cast<size_t>(frame.tiles_x()) + static_cast<size_t>(range.x0);
     if (list.size() == spp)
       read_tiles(frame.samples, first, columns, spp * sample_bytes);
     else

@@ -45,7 +45,7 @@ struct PackedFrame {
   size_t tile_samples() const { return static_cast<size_t>(spp * channels()) * kTilePixels; }
   size_t tile_valid() const { return static_cast<size_t>(spp) * kTilePixels; }
   static constexpr size_t kTileReference = size_t{3} * kTilePixels;
-  size_t tile_checksums() const { return static_cast<size_t>(2 * spp + 1); }
+  size_t tile_checksums() const { return 2 * static_cast<size_t>(spp) + 1; }
 
   /// Of all that the pointers point to.
   size_t bytes() const {

@@ -65,8 +65,9 @@ Axis::Axis(bool logarithmic, double low, double high, double from, double to, do
   if (logarithmic) {
     // 1, 2, 5, 10, 20, ...: from the last that is not above `low` to the first that is not below `high`.
     std::vector<double> all;
-    for (double power = std::pow(10, std::floor(std::log10(low) + 1e-9)); power <= 10 * high; power *= 10)
-      for (const double digit : {1., 2., 5.}) all.push_back(digit * power);
+    for (int exponent = int(std::floor(std::log10(low) + 1e-9)); std::pow(10, exponent) <= 10 * high;
+         ++exponent)
+      for (const double digit : {1., 2., 5.}) all.push_back(digit * std::pow(10, exponent));
     size_t first = 0;
     while (all[first + 1] <= low * (1 + 1e-9)) ++first;
     size_t last = first + 1;
@@ -80,7 +81,7 @@ Axis::Axis(bool logarithmic, double low, double high, double from, double to, do
     const double first = std::floor(floor / step + 1e-9), last = std::ceil(high / step - 1e-9);
     low_ = step * first;
     high_ = step * last;
-    for (double i = first; i <= last; ++i) ticks_.push_back(step * i);
+    for (int i = 0; first + i <= last; ++i) ticks_.push_back(step * (first + i));
   }
 }
 

@@ -92,7 +92,7 @@ int64_t parameter_count(const NetworkConfig& config) {
   const bool pixels = network.sources == Sources::pixels, levels = network.has_levels;
   const int64_t embedding = config.sample_reducer.back(), taps = config.kernel_size * config.kernel_size;
   int64_t count =
-      chain_count(chain((pixels ? 2 : 1) * channel_count(config.features), config.sample_reducer)) +
+      chain_count(chain(int64_t{pixels ? 2 : 1} * channel_count(config.features), config.sample_reducer)) +
       unet_count(config.unet, embedding);
   const auto generator = [&](int64_t context, int64_t outputs) {
     std::vector<int64_t> widths = chain(embedding + context, config.kernel_generator);

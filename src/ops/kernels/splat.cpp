@@ -143,6 +143,7 @@ void merge_layer_row(const FilterShape& shape, int64_t layer, const std::vector<
       }
     }
   }
+  // Every row of the picture lies in some strip. NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage)
   float* HWY_RESTRICT sums = first->row(layer, y);
   const int64_t pitch = first->pitch();
   for (int64_t x = 0; x < shape.width; x += lanes()) {
@@ -185,7 +186,7 @@ HWY_INLINE void pull_channels(D d, const FilterShape& shape, const SplatSourcesR
       float* pull_at = gradients.logits.row(k) + x;
       V pull = hn::Load(d, pull_at);
 #pragma GCC unroll 4
-      for (int i = 0; i < kCount; ++i) {
+      for (int64_t i = 0; i < kCount; ++i) {
         const V gradient = hn::LoadU(d, g + 2 * i * pitch), result = hn::LoadU(d, g + (2 * i + 1) * pitch);
         // The probability first: a value of 1e32 that has none must give 0.
         pull = hn::MulAdd(gradient, hn::Mul(p, hn::Sub(value[i], result)), pull);

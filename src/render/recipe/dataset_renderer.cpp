@@ -27,9 +27,9 @@ namespace {
 /// The recipe's text as `folder` has it where it means the same: one that was begun before recipes had all of
 /// today's keys can be finished, the keys that it lacks having their defaults.
 std::string recipe_text(const Recipe& recipe, const std::filesystem::path& folder) {
-  const std::string text = config_to_yaml(recipe);
+  std::string text = config_to_yaml(recipe);
   if (!std::filesystem::exists(folder / "manifest.json")) return text;
-  const std::string held = read_manifest(folder).recipe;
+  std::string held = read_manifest(folder).recipe;
   try {
     const ConfigNode tree = parse_config(held, "manifest.json");
     if (config_to_yaml(config_from_tree<Recipe>(tree)) == text) return held;

@@ -37,8 +37,10 @@ float clearance(const PreparedScene& scene, Vec3 place, float time) {
 
 bool stays_clear(const PreparedScene& scene, const CameraPath& path, int64_t length, float clear) {
   const auto last = static_cast<float>(length);
+  const int64_t half_frames = 2 * length + 2;  // from the frame before the first
   Vec3 before = path.at(-1).position;
-  for (float frame = -1; frame <= last; frame += 0.5F) {
+  for (int64_t i = 0; i <= half_frames; ++i) {
+    const float frame = 0.5F * static_cast<float>(i) - 1;
     const Vec3 here = path.at(frame).position, step = here - before;
     const float time = std::clamp(frame / last, 0.0F, 1.0F), way = ld::length(step);
     if (clearance(scene, here, time) < clear) return false;

@@ -88,7 +88,7 @@ CoatAlbedo::CoatAlbedo(float alpha, float ior) {
   const float s = a - static_cast<float>(a0), t = k - static_cast<float>(k0);
   const float weights[4] = {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t};
   for (int i = 0; i < 4; ++i) {
-    const Row& row = table()[static_cast<size_t>((k0 + i / 2) * kAlphas + a0 + i % 2)];
+    const Row& row = table()[(k0 + i / 2) * kAlphas + a0 + i % 2];
     rows_[i] = row.albedo;
     weights_[i] = weights[i];
     average_ += weights[i] * row.average;

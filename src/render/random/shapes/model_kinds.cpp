@@ -156,9 +156,8 @@ Model sponge(RandomStream& random) {
     }));
   std::vector<bool> filled;  // every cell by the flip of a coin, mirrored
   for (int i = 0; i < 4 * 8 * 8; ++i) filled.push_back(random.uniform() < 0.45F);
-  return one(make_voxels(8, 8, 8, [&](int x, int y, int z) {
-    return filled[static_cast<size_t>((z * 8 + y) * 4 + std::min(x, 7 - x))] || y == 0;
-  }));
+  return one(make_voxels(
+      8, 8, 8, [&](int x, int y, int z) { return filled[(z * 8 + y) * 4 + std::min(x, 7 - x)] || y == 0; }));
 }
 
 Model skyline(RandomStream& random) {
