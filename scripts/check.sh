@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Format (clang-format) and lint (clang-tidy) of every tracked C++ file; exit code 1 when something was found.
-#   scripts/check.sh          everything; the first time some minutes, then only what changed
+#   scripts/check.sh          everything; the first time long, then only what changed
 #   scripts/check.sh --fast   lint only the files without LibTorch, whose headers alone take half a minute
 #   scripts/check.sh PATH...  lint only the files below these; with or without --fast
 # JOBS=N sets the number of parallel clang-tidy processes (default: the CPUs).

@@ -72,9 +72,10 @@ in_tree() {
     exec chroot "$0" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb "$@"' "$tree" "$@"
 }
 
+inside=/srv/layer_denoiser  # the project in the tree
 if [ $exchange = ON ]; then
-  there() { in_tree bash /root/layer_denoiser/scripts/exchange.sh "$@"; }
-  shared=/root/exchange
+  there() { in_tree bash "$inside/scripts/exchange.sh" "$@"; }
+  shared=/srv/exchange
   rm -rf "$tree$shared"
   scripts/exchange.sh write "$tree$shared/here"
   there write "$shared/there"
@@ -88,11 +89,11 @@ if [ $exchange = ON ]; then
 fi
 
 # Fetched rather than copied: files that have not changed keep their times, so they are not compiled again.
-copy=$tree/root/layer_denoiser
+copy=$tree$inside
 [ -d "$copy/.git" ] || git init -q "$copy"
 git -C "$copy" fetch -q --depth 1 "file://$PWD" HEAD
 git -C "$copy" checkout -q -f --detach FETCH_HEAD
 git -C "$copy" clean -q -ffd
 echo "test_debian13: Debian $(cat "$tree/etc/debian_version"), $(git log -1 --format='commit %h: %s')"
 
-in_tree CMAKE_BUILD_PARALLEL_LEVEL="${JOBS:-$(nproc)}" bash /root/layer_denoiser/scripts/test.sh
+in_tree CMAKE_BUILD_PARALLEL_LEVEL="${JOBS:-$(nproc)}" bash "$inside/scripts/test.sh"

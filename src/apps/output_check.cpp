@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/file_identity.h"
+#include "core/unique_name.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -32,9 +33,8 @@ fs::path nearest_folder(const fs::path& file) {
 
 /// Asks the system by doing it: permissions, read-only disks and full ones differ in how they say so.
 void try_to_write(const fs::path& folder, const fs::path& file) {
-  const fs::path trial = folder / fmt::format(".{}.trial", getpid());
+  const fs::path trial = folder / fmt::format(".{}.trial", unique_name());
   const int descriptor = open(trial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0 && errno == EEXIST) return;  // another machine's process of this number could make it
   if (descriptor < 0)
     fail_usage("cannot write {}: no file can be made in {}: {}; choose another folder", file.string(),
                folder.string(), std::strerror(errno));
@@ -47,9 +47,7 @@ void try_to_write(const fs::path& folder, const fs::path& file) {
 void require_extension(const std::string& option, const fs::path& path,
                        const std::vector<std::string>& extensions) {
   if (is_stream(path)) return;
-  std::string extension = path.extension().string();
-  for (char& letter : extension)
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  const std::string extension = lower_extension(path);
   if (std::count(extensions.begin(), extensions.end(), extension) > 0) return;
   fail_usage(
       "{} {}: {}; expected {}", option, path.string(),

@@ -46,4 +46,11 @@ void refuse_overwriting(const std::vector<fs::path>& outputs, const std::vector<
   }
 }
 
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& letter : extension)
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');  // in any locale
+  return extension;
+}
+
 }  // namespace ld

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -34,5 +35,8 @@ void refuse_overwriting(const std::vector<std::filesystem::path>& outputs,
 
 /// Whether a device, pipe or socket is there: it is neither read as a file nor replaced by one.
 bool is_special(const std::filesystem::path& path);
+
+/// ".exr" of "A.EXR": what kind of file a name says it is.
+std::string lower_extension(const std::filesystem::path& path);
 
 }  // namespace ld

@@ -100,8 +100,8 @@ void advise(const void* data, size_t bytes, int advice) {
   const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
   const auto begin = reinterpret_cast<uintptr_t>(data) / page * page;
   const auto end = reinterpret_cast<uintptr_t>(data) + bytes;
-  madvise(reinterpret_cast<void*>(begin), end - begin,
-          advice);  // NOLINT(performance-no-int-to-ptr): whole pages
+  // Whole pages. NOLINTNEXTLINE(performance-no-int-to-ptr)
+  madvise(reinterpret_cast<void*>(begin), end - begin, advice);
 }
 
 /// Reads the first page of a file, which holds the header, alone: a mapping's first page fault would start a

@@ -14,6 +14,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/file_identity.h"
 #include "core/file_io.h"
 #include "core/tone_map.h"
 #include "frame/exr_check.h"
@@ -91,9 +92,7 @@ std::string png_bytes(const fs::path& path, const Image& image) {
 }
 
 PictureFormat picture_format(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& letter : extension)
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  const std::string extension = lower_extension(path);
   if (extension == ".exr") return PictureFormat::exr;
   if (extension == ".png") return PictureFormat::png;
   fail_usage("cannot write {}: unknown extension '{}'; expected .exr (linear) or .png (tone-mapped)",
