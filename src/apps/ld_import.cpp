@@ -128,6 +128,7 @@ std::vector<std::filesystem::path> inputs_of(const Options& o) {
 
 ld::Hdf5Report exchange_hdf5(const Options& o) {
   if (!o.to_hdf5.empty()) return ld::data_set_to_hdf5(o.place.folder, o.place.split, o.to_hdf5, o.reference);
+  ld::require_no_fault_in_hdf5(o.from_hdf5, o.reference);
   return ld::data_set_from_hdf5(o.from_hdf5, o.reference, o.place.folder, o.place.name, o.place.split,
                                 o.depth == "ratio" ? ld::Hdf5Depth::ratio : ld::Hdf5Depth::linear);
 }

@@ -47,6 +47,10 @@ struct Hdf5Report {
       false;  // by a signal (core/signals.h): the frames before are whole, a pair of files is not made
 };
 
+/// Throws Error when HDF5 faults on one of the files, as it does on some that are damaged: reads all of them
+/// in a process of its own. What is wrong without a fault is left to data_set_from_hdf5().
+void require_no_fault_in_hdf5(const std::filesystem::path& samples, const std::filesystem::path& references);
+
 /// Adds all frames of a pair of files to a data set, as NAME_000000, ... Throws Error: files that are no
 /// HDF5, missing data sets, wrong types or shapes, sizes beyond reason or beyond what the file can hold.
 /// Always throws where the program was built without HDF5.

@@ -296,5 +296,24 @@ TEST(Hdf5, HostileFilesGiveOneError) {
   EXPECT_FALSE(fs::exists(folder / "d"));
 }
 
+/// HDF5 reads from a null pointer on this file (1.10.8 does, found by a fuzzer); other versions may refuse
+/// it.
+TEST(Hdf5, AFaultOfTheLibraryIsAnErrorOfOurs) {
+  const TemporaryFolder folder;
+  const std::string file = std::string(LD_SOURCE_DIR) + "/tests/fixtures/hdf5/fault.h5";
+  const ProgramResult result =
+      run_program("ld_import", {"--from-hdf5", file, "--reference", file, "--out", (folder / "data").string(),
+                                "--split", "test", "--name", "f"});
+  expect_failure(result, 1, {file, "copy it again"});
+  EXPECT_FALSE(fs::exists(folder / "data"));
+}
+
+TEST(Hdf5, AGoodPairComesToNoFault) {
+  const TemporaryFolder folder;
+  write_pair(folder);
+  require_no_fault_in_hdf5(folder / "samples.h5", folder / "references.h5");
+  EXPECT_EQ(read_pair(folder, "back").frames, 2);
+}
+
 }  // namespace
 }  // namespace ld

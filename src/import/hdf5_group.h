@@ -1,0 +1,25 @@
+// Reading and writing the data sets of the HDF5 layout, one frame at a time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "frame/frame.h"
+#include "import/hdf5_file.h"
+#include "import/hdf5_layout.h"
+
+namespace ld {
+
+/// Names of the features that a group holds.
+std::vector<std::string> features_of(const Hdf5Group& group);
+
+struct OpenGroup {
+  const Hdf5Group* layout;
+  Hdf5Data data;
+
+  /// `values` is memory to work in. Throws Error when HDF5 cannot.
+  void read(hsize_t i, Frame& frame, std::vector<float>& values) const;
+  void write(hsize_t i, Frame& frame, std::vector<float>& values) const;
+};
+
+}  // namespace ld
