@@ -61,9 +61,9 @@ int64_t strip_for(const Network& network, int64_t budget, const Frame& frame) {
 class Run {
  public:
   Run(const Network& network, const Frame& frame, const DenoiseOptions& options)
-      : strip_(budgeted_strip(network, frame, options)), progress_([&options](double share) {
-          if (options.cancel && options.cancel()) throw Cancelled();
-          if (options.progress) options.progress(share);
+      : options_(options), strip_(budgeted_strip(network, frame, options)), progress_([this](double share) {
+          if (options_.cancel && options_.cancel()) throw Cancelled();
+          if (options_.progress) options_.progress(share);
         }) {}
 
  private:
@@ -74,6 +74,7 @@ class Run {
   }
 
   const torch::InferenceMode no_graph_;
+  const DenoiseOptions options_;  // a copy: the caller's may be a temporary
   StripBytes strip_;
   StripProgress progress_;
 };

@@ -1,5 +1,7 @@
 #include "training/kernel_statistics.h"
 
+#include <algorithm>
+
 namespace ld {
 
 using torch::Tensor;
@@ -25,8 +27,9 @@ KernelStatistics kernel_statistics(Network& network, const NetworkInput& input) 
   const int64_t centre = share.size(2) / 2;
   KernelStatistics statistics;
   if (pixels == 0) return statistics;
-  // Of a tap when the layer is known: H(tap, layer) - H(layer).
-  statistics.entropy = (x_log_x(of_layers).sum() - x_log_x(share).sum()).item<double>() / pixels;
+  // Of a tap when the layer is known: H(tap, layer) - H(layer), which rounding alone can make negative.
+  const double entropy = (x_log_x(of_layers).sum() - x_log_x(share).sum()).item<double>();
+  statistics.entropy = std::max(entropy, 0.0) / pixels;
   statistics.centre_share = share.select(2, centre).sum().item<double>() / pixels;
   // Of every tap of every layer, over the pixels; pixels without samples would count as taps of 0.
   const Tensor taps = share.permute({1, 2, 0, 3, 4}).flatten(2).flatten(0, 1);  // [N * K*K, pixels]

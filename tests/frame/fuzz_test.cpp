@@ -19,6 +19,7 @@
 #include "tests/support/damage.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 
 namespace ld {
@@ -183,9 +184,7 @@ std::string lying_file(const fs::path& folder, Imf::Compression compression, int
 }
 
 TEST(Fuzz, SmallFilesThatDeclareHugeImagesTakeNoMemory) {
-#if defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "the sanitizer's own memory would be measured";
-#endif
+  if (kAddressSanitizer) GTEST_SKIP() << "the sanitizer's own memory would be measured";
   const TemporaryFolder folder;
   const std::vector<std::string> files = good_files(folder.path());
   const fs::path path = folder / "huge.exr";

@@ -10,6 +10,7 @@
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 #include "weights/model_file.h"
 
@@ -83,6 +84,8 @@ class Budget : public ::testing::Test {
 };
 
 TEST_F(Budget, OneThatIsTooSmallNamesTheSmallestThatWillDo) {
+  if (kAddressSanitizer)
+    GTEST_SKIP() << "the sanitizer keeps what was freed, so that the smallest budget grows";
   const Denoiser denoiser(folder_ / "model.safetensors");
   const Frame frame = some_frame(161, 127, 2);
   const Image unlimited = denoiser.denoise(frame);

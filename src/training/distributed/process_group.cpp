@@ -3,9 +3,9 @@
 #include <gloo/transport/device.h>
 #include <torch/version.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <cstring>
 #include <future>
 #include <thread>
 #include <torch/csrc/distributed/c10d/PrefixStore.hpp>
@@ -124,6 +124,10 @@ Meeting meet_in_time(const ProcessGroupOptions& options) {
           "network interface that reaches the other machines");
   }
   return meeting.get();
+}
+
+uint8_t* bytes_of(const torch::Tensor& tensor) {
+  return static_cast<uint8_t*>(tensor.data_ptr());
 }
 
 }  // namespace
@@ -261,10 +265,10 @@ void ProcessGroup::broadcast(const std::vector<torch::Tensor>& tensors, const st
     }
   };
   if (is_root())
-    for_each([](uint8_t* at, const torch::Tensor& t) { std::memcpy(at, t.data_ptr(), t.nbytes()); });
+    for_each([](uint8_t* at, const torch::Tensor& t) { std::copy_n(bytes_of(t), t.nbytes(), at); });
   connection_->wait(connection_->gloo->broadcast(flat), options_, what);
   if (!is_root())
-    for_each([](uint8_t* at, const torch::Tensor& t) { std::memcpy(t.data_ptr(), at, t.nbytes()); });
+    for_each([](const uint8_t* at, const torch::Tensor& t) { std::copy_n(at, t.nbytes(), bytes_of(t)); });
 }
 
 std::string ProcessGroup::broadcast(const std::string& text, const std::string& what) {
