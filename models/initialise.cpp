@@ -52,10 +52,11 @@ void KernelGenerator::begin_as_gaussian(double sigma) {
   const torch::NoGradGuard no_gradient;
   // Of a bounded logit: from half the bound at the centre to where its slope is 1 % of that at 0.
   const double top = bound_ > 0 ? 0.5 * bound_ : 0, least = -0.9 * bound_;
-  const int64_t size = std::lround(std::sqrt(double(taps_)));
+  const int64_t size = std::lround(std::sqrt(double(taps_))), middle = size / 2;
   Tensor bias = weights().biases.back();
   for (int64_t tap = 0; tap < taps_; ++tap) {
-    const auto dx = double(tap % size - size / 2), dy = double(tap / size - size / 2);
+    const int64_t column = tap % size, row = tap / size;
+    const auto dx = double(column - middle), dy = double(row - middle);
     double logit = top - (dx * dx + dy * dy) / (2 * sigma * sigma);
     if (bound_ > 0) {
       logit = std::max(logit, least);

@@ -66,7 +66,8 @@ NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t heig
   // Pixels of the picture whose sides are halved `level` times.
   const auto pixels_at = [&](int64_t level) {
     const int64_t scale = int64_t(1) << level;
-    return double((height + scale - 1) / scale * ((width + scale - 1) / scale));
+    const int64_t rows = (height + scale - 1) / scale, columns = (width + scale - 1) / scale;
+    return double(rows * columns);
   };
   const auto levels = int64_t(config.unet.encoder.size());
   const double padded =

@@ -98,7 +98,7 @@ AdmittedInput::AdmittedInput(const InputSource& source, const NetworkConfig& con
   faults = {};
   if (!config.exposure_normalisation) return;
   LogAverage average(sizes.batch);
-  const int64_t row_bytes = 8 * 8 * sizes.batch * sizes.samples * sizes.width;  // a few doubles a sample
+  const int64_t row_bytes = sizes.batch * sizes.samples * sizes.width * 8 * 8;  // a few doubles a sample
   const int64_t step = short_strip_rows(sizes.height, row_bytes);
   for (int64_t begin = 0; begin < sizes.height; begin += step) {
     const NetworkInput strip = source.radiance_rows(begin, std::min(begin + step, sizes.height));

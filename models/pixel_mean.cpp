@@ -9,7 +9,9 @@ NetworkInput pixel_mean(NetworkInput input, const NetworkConfig& config) {
   input.features = masked_mean(input.features, input.valid).unsqueeze(1);
   input.radiance = masked_mean(input.radiance, input.valid).unsqueeze(1);
   input.valid = input.valid.ne(0).any(1, /*keepdim=*/true).to(input.valid.scalar_type());
-  return with_exposure(std::move(input), torch::ones({input.features.size(0)}, torch::kFloat64), config);
+  // Before the input is moved: the order of a call's arguments is the compiler's choice.
+  const torch::Tensor exposure = torch::ones({input.features.size(0)}, torch::kFloat64);
+  return with_exposure(std::move(input), exposure, config);
 }
 
 }  // namespace ld

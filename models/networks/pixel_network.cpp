@@ -10,7 +10,7 @@ namespace ld {
 using torch::Tensor;
 
 PixelNetwork::PixelNetwork(const NetworkConfig& config)
-    : ContextNetwork(config, 2 * channel_count(config.features)),
+    : ContextNetwork(config, int64_t{2} * channel_count(config.features)),
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
@@ -18,7 +18,7 @@ Tensor PixelNetwork::denoise(const InputSource& input) {
   const InputSource::Sizes sizes = input.sizes();
   const PictureSize size = {sizes.batch, sizes.height, sizes.width};
   const int64_t sample_bytes = sizes.batch * sizes.samples * sizes.width * sizes.element_bytes *
-                               (2 * (channel_count(config().features) + 4));
+                               (int64_t{2} * (channel_count(config().features) + 4));
   const auto embedding_rows = [&](int64_t begin, int64_t end) {
     return in_strips(
         begin, end, short_strip_rows(end - begin, sample_bytes), [&](int64_t first, int64_t last) {

@@ -88,8 +88,8 @@ Tensor SampleSplatNetwork::denoise(const InputSource& given) {
 }
 
 int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) const {
-  const int64_t of_sample = 2 * (channel_count(config().features) + 4) + config().sample_reducer.back() + 8 +
-                            3 * (radiance_channels() - 3);
+  const int64_t of_sample = int64_t{2} * (channel_count(config().features) + 4) +
+                            config().sample_reducer.back() + 8 + 3 * (radiance_channels() - 3);
   return size.batch * (2 * config().unet.context + samples * of_sample) * size.width * int64_t(sizeof(float));
 }
 

@@ -103,10 +103,11 @@ void drop_pages(const fs::path& folder) {
 /// Bytes of the memory that lie in pages which are resident, wherever they came from.
 double resident_bytes(const void* data, size_t bytes) {
   const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = reinterpret_cast<uintptr_t>(data) / page * page;
-  const size_t pages = (reinterpret_cast<uintptr_t>(data) + bytes - begin + page - 1) / page;
+  const size_t offset = reinterpret_cast<uintptr_t>(data) % page;  // of the data in its first page
+  const char* begin = static_cast<const char*>(data) - offset;
+  const size_t pages = (offset + bytes + page - 1) / page;
   std::vector<unsigned char> resident(pages);
-  if (mincore(reinterpret_cast<void*>(begin), pages * page, resident.data()) != 0)
+  if (mincore(const_cast<char*>(begin), pages * page, resident.data()) != 0)
     fail("mincore() does not say which pages are resident");
   size_t count = 0;
   for (const unsigned char one : resident) count += one & 1;

@@ -30,9 +30,10 @@ class PixelMap {
   void put(const float* tile, int columns, int rows, int x, int y, float* plane) const {
     float* out = plane + origin_ + (x - x0_) * step_x_ + (y - y0_) * step_y_;
     if (step_x_ == 1)
-      for (int j = 0; j < rows; ++j) std::copy_n(tile + j * kTileSide, columns, out + j * step_y_);
+      for (std::ptrdiff_t j = 0; j < rows; ++j) std::copy_n(tile + j * kTileSide, columns, out + j * step_y_);
     else if (step_x_ == -1)
-      for (int j = 0; j < rows; ++j) copy_reversed(tile + j * kTileSide, 1, columns, out + j * step_y_);
+      for (std::ptrdiff_t j = 0; j < rows; ++j)
+        copy_reversed(tile + j * kTileSide, 1, columns, out + j * step_y_);
     else if (step_y_ == 1)
       for (int i = 0; i < columns; ++i) copy_strided(tile + i, kTileSide, rows, out + i * step_x_);
     else
@@ -54,10 +55,10 @@ class PixelMap {
   }
 
   static void copy_strided(const float* values, int stride, int count, float* out) {
-    for (int i = 0; i < count; ++i) out[i] = values[i * stride];
+    for (std::ptrdiff_t i = 0; i < count; ++i) out[i] = values[i * stride];
   }
   static void copy_reversed(const float* values, int stride, int count, float* out) {
-    for (int i = 0; i < count; ++i) out[-i] = values[i * stride];
+    for (std::ptrdiff_t i = 0; i < count; ++i) out[-i] = values[i * stride];
   }
 
   int x0_, y0_;
@@ -146,7 +147,8 @@ class CropReader {
     x1_ = std::min((tile_x + 1) * kTileSide, a_.x + a_.width);
     y1_ = std::min((tile_y + 1) * kTileSide, a_.y + a_.height);
     first_ = (y0_ - tile_y * kTileSide) * kTileSide + x0_ - tile_x * kTileSide;
-    const auto tile = static_cast<size_t>(tile_y * frame_.tiles_x() + tile_x);
+    const size_t tile =
+        static_cast<size_t>(tile_y) * static_cast<size_t>(frame_.tiles_x()) + static_cast<size_t>(tile_x);
     const uint16_t* samples = frame_.samples + tile * frame_.tile_samples();
     const uint8_t* valid = frame_.valid + tile * frame_.tile_valid();
     features_out_ = planes_.features;
@@ -158,7 +160,7 @@ class CropReader {
       put(encoded_.data(), planes_.valid + i * plane_);
     }
     for (int c = 0; c < 3; ++c)
-      put_exposed(frame_.reference + tile * PackedFrame::kTileReference + colour(c) * kTilePixels,
+      put_exposed(frame_.reference + tile * PackedFrame::kTileReference + tile_plane(colour(c)),
                   planes_.reference + static_cast<size_t>(c) * plane_);
   }
 
@@ -166,17 +168,17 @@ class CropReader {
   void read_sample(const uint16_t* half_bits) {
     half_to_float(half_bits, values_.data(), values_.size());
     for (int c = 0; c < 3; ++c, radiance_out_ += plane_)
-      put_exposed(values_.data() + colour(c) * kTilePixels, radiance_out_);
+      put_exposed(values_.data() + tile_plane(colour(c)), radiance_out_);
     for (const Source& source : sources_) {
-      float* values = values_.data() + source.channel * kTilePixels;
+      float* values = values_.data() + tile_plane(source.channel);
       if (source.feature->vector != Vector::none)
         turn_vectors(source.feature->vector, a_, values, values + kTilePixels, kTilePixels);
       for (int c = 0; c < source.feature->channels; ++c, features_out_ += plane_) {
         const int from = is_colour(*source.feature) ? colour(c) : c;
         if (source.feature->encoding == Encoding::tone_map)
-          table_.look_up(half_bits + (source.channel + from) * kTilePixels, encoded_.data(), kTilePixels);
+          table_.look_up(half_bits + tile_plane(source.channel + from), encoded_.data(), kTilePixels);
         else
-          encode(*source.feature, frame_.depth_scale, values + from * kTilePixels, encoded_.data(),
+          encode(*source.feature, frame_.depth_scale, values + tile_plane(from), encoded_.data(),
                  kTilePixels);
         put(encoded_.data(), features_out_);
       }

@@ -138,7 +138,7 @@ PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features
     uint8_t* valid = buffers->valid.data() + tile * packed.tile_valid();
     float* reference = buffers->reference.data() + tile * PackedFrame::kTileReference;
     for (int s = 0; s < frame.spp; ++s) {
-      uint8_t* mask = valid + s * kTilePixels;
+      uint8_t* mask = valid + tile_plane(s);
       cut_plane(frame.valid_plane(s), mask);
       float* channel = cut.data() + static_cast<size_t>(s) * sample_pitch;
       for (const int plane : planes) {
@@ -147,7 +147,7 @@ PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features
         channel += kTilePixels;
       }
     }
-    for (int c = 0; c < 3; ++c) cut_plane(pair.reference.image.plane(c), reference + c * kTilePixels);
+    for (int c = 0; c < 3; ++c) cut_plane(pair.reference.image.plane(c), reference + tile_plane(c));
     float_to_half(cut.data(), buffers->samples.data() + tile * packed.tile_samples(), cut.size());
     buffers->difficulty.push_back(smape_of_tile(cut.data(), valid, frame.spp, sample_pitch, reference));
   }

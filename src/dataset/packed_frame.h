@@ -3,6 +3,7 @@
 // where there is none.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -16,6 +17,11 @@ namespace ld {
 /// most 81 of them where 64 would do.
 constexpr int kTileSide = 16;
 constexpr int kTilePixels = kTileSide * kTileSide;
+
+/// Where the plane of one sample or channel begins in the planes of a tile.
+constexpr std::ptrdiff_t tile_plane(int number) {
+  return std::ptrdiff_t{kTilePixels} * number;
+}
 
 /// A rectangle of whole tiles: columns [x0, x1), rows [y0, y1).
 struct TileRange {

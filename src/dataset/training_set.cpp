@@ -32,10 +32,11 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
                          TrainingSetOptions options)
     : sets_(std::move(sets)),
       features_(std::move(features)),
-      options_(options),
-      part_(batch_part(options.batch, options.rank, options.processes)),
-      plan_(make_plan(sets_, options.seed)),
-      batches_([this](int64_t number) { return batch_with(number, sample_count(number)); }, options.workers) {
+      options_(std::move(options)),
+      part_(batch_part(options_.batch, options_.rank, options_.processes)),
+      plan_(make_plan(sets_, options_.seed)),
+      batches_([this](int64_t number) { return batch_with(number, sample_count(number)); },
+               options_.workers) {
   if (options_.batch < options_.processes)
     fail_usage(
         "data.batch: {} crops a step cannot be split over {} processes; set data.batch={} or more, or start "

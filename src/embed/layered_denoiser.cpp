@@ -166,9 +166,9 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
   return guarded([&] {
     const ld::RuntimeGuard runtime(threads());
     denoiser->cancelled = false;
-    ld::Frame frame =
+    const ld::Frame frame =
         denoiser->buffers.gather(denoiser->denoiser.network_config().features, denoiser->denoiser.features());
-    ld::scatter(denoiser->denoiser.denoise(std::move(frame), denoiser->options), picture, strides);
+    ld::scatter(denoiser->denoiser.denoise(frame, denoiser->options), picture, strides);
   });
 }
 

@@ -38,9 +38,10 @@ BatchCost measure_batch(Network& network, const Loss& loss, const Batch& batch,
     const double forward = now() - start;
     loss(denoised, batch.reference).backward();
     const double seconds = now() - start;
-    const auto pixels = static_cast<double>(batch.reference.numel() / 3);
+    const int64_t pixels = batch.reference.numel() / 3;
+    const double per_pixel = forward / static_cast<double>(pixels);
     if (pass == 0 || seconds < cost.seconds) cost.seconds = seconds;
-    if (pass == 0 || forward / pixels < cost.seconds_per_pixel) cost.seconds_per_pixel = forward / pixels;
+    if (pass == 0 || per_pixel < cost.seconds_per_pixel) cost.seconds_per_pixel = per_pixel;
     forget_gradients(network);
     if (seconds > kLongPass) break;
   }

@@ -70,9 +70,10 @@ double Trainer::time_validation(Network& network, double limit) {
                                 })
                            .has_value();
     const auto processes = static_cast<size_t>(group_.size());
-    const auto own = static_cast<double>((validation_.frames() + processes - 1) / processes);
+    const size_t own = (validation_.frames() + processes - 1) / processes;
     seconds = whole ? seconds_since(start)
-                    : seconds_since(start) / static_cast<double>(std::max<int64_t>(begun, 1)) * own;
+                    : seconds_since(start) / static_cast<double>(std::max<int64_t>(begun, 1)) *
+                          static_cast<double>(own);
   }
   return seconds;
 }

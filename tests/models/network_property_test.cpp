@@ -46,7 +46,7 @@ TEST(NetworkProperty, AConstantImageStaysConstantWithAnyWeights) {
 
 // Most of the picture has no samples: a pixel is either constant or out of reach of all kernels.
 TEST(NetworkProperty, AConstantStaysWhereverASampleIsInReach) {
-  for (NetworkConfig config : every_config()) {
+  for (const NetworkConfig& config : every_config()) {
     const auto network = small_network(config, torch::kFloat32);
     scale_logits(*network, 1e3);
     NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 33, 29, torch::kFloat32), config);

@@ -86,8 +86,8 @@ void verify_checkpoint(const fs::path& checkpoint) {
   for (const char* name : kCheckpointFiles) verify_checkpoint_file(checkpoint, name);
 }
 
-CheckpointFolder::CheckpointFolder(fs::path run, int64_t keep)
-    : folder_(std::move(run) / "checkpoints"), keep_(keep) {}
+CheckpointFolder::CheckpointFolder(const fs::path& run, int64_t keep)
+    : folder_(run / "checkpoints"), keep_(keep) {}
 
 std::vector<std::string> CheckpointFolder::names() const {
   std::vector<std::string> found;

@@ -15,7 +15,7 @@ namespace ld {
 class CheckpointFolder {
  public:
   /// Keeps the `keep` newest checkpoints and the best.
-  CheckpointFolder(std::filesystem::path run, int64_t keep);
+  CheckpointFolder(const std::filesystem::path& run, int64_t keep);
 
   /// Calls fill(folder), which writes kCheckpointFiles (weights/checkpoint_files.h) into a folder beside,
   /// adds the checksums, flushes all to the disk, renames it, and links `last`, with `best` also `best`, to

@@ -27,8 +27,10 @@ double one_cycle(const OneCycleConfig& config, double highest, double step, doub
 double scheduled_rate(const OptimizerConfig& config, int64_t step, int64_t epoch, int64_t total_steps) {
   const double rate = config.learning_rate;
   const auto now = static_cast<double>(step), end = static_cast<double>(total_steps);
-  if (config.schedule == "step")
-    return rate * std::pow(config.step_factor, static_cast<double>(epoch / config.step_epochs));
+  if (config.schedule == "step") {
+    const int64_t falls = epoch / config.step_epochs;
+    return rate * std::pow(config.step_factor, static_cast<double>(falls));
+  }
   if (config.schedule == "cosine") return along_cosine(rate, 0, now / end);
   if (config.schedule == "one_cycle") return one_cycle(config.one_cycle, rate, now, end);
   return rate;
