@@ -13,6 +13,7 @@ namespace ld {
 namespace {
 
 constexpr size_t kMostResolutions = 15;  // pictures are padded to multiples of 2^15 at most
+constexpr size_t kMostWidths = 100;      // a damaged file asks for no more modules than fit in little memory
 
 const std::map<std::string, NetworkTraits>& networks() {
   static const std::map<std::string, NetworkTraits> traits = {
@@ -25,6 +26,8 @@ const std::map<std::string, NetworkTraits>& networks() {
 
 void check_widths(const char* key, const std::vector<int64_t>& widths, bool may_be_empty) {
   if (widths.empty() && !may_be_empty) fail_usage("network.{} is empty, expected at least one width", key);
+  if (widths.size() > kMostWidths)
+    fail_usage("network.{} has {} widths, expected at most {}", key, widths.size(), kMostWidths);
   for (const int64_t width : widths)
     if (width < 1) fail_usage("network.{} has a width of {}, expected at least 1", key, width);
 }

@@ -59,7 +59,7 @@ Counts counts_of(const NetworkConfig& config, double spp) {
 }  // namespace
 
 NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t height, int64_t width) {
-  const auto network = make_network(config);
+  const auto network = make_network_shapes(config);
   const Counts sources = counts_of(config, double(spp));
   const double pixels = double(height * width);
   const bool has_levels = network_traits(config.name).has_levels;

@@ -9,10 +9,6 @@ namespace nn = torch::nn;
 
 namespace {
 
-nn::Conv2d convolution(int64_t inputs, int64_t outputs) {
-  return nn::Conv2d(nn::Conv2dOptions(inputs, outputs, 3).padding(1));
-}
-
 int64_t even(int64_t n) {
   return (n + 1) / 2 * 2;
 }
@@ -50,13 +46,13 @@ UNet::UNet(int64_t inputs, const UNetConfig& config) : config_(config), inputs_(
     channels = widths.back();
     skips.pop_back();
   }
-  context_ = register_module("context", convolution(channels, config.context));
+  context_ = register_module("context", std::make_shared<Convolution>(channels, config.context));
 }
 
 nn::Sequential UNet::make_block(int64_t inputs, const std::vector<int64_t>& widths) const {
   nn::Sequential block;
   for (const int64_t width : widths) {
-    block->push_back(convolution(inputs, width));
+    block->push_back(std::make_shared<Convolution>(inputs, width));
     block->push_back(nn::LeakyReLU(nn::LeakyReLUOptions().negative_slope(0.01).inplace(true)));
     inputs = width;
   }
@@ -202,8 +198,7 @@ int64_t UNet::skip_channels(int64_t resolution) const {
 /// Memory of one row in a block: what comes in, once more while it is put together, and two layers' outputs.
 int64_t UNet::row_bytes(const PictureSize& size, int64_t inputs, const std::vector<int64_t>& widths) const {
   const int64_t widest = *std::max_element(widths.begin(), widths.end());
-  return size.batch * std::max(2 * inputs, inputs + 2 * widest) * size.width *
-         int64_t(context_->weight.element_size());
+  return size.batch * std::max(2 * inputs, inputs + 2 * widest) * size.width * context_->element_size();
 }
 
 int64_t UNet::decoder_row_bytes(size_t block, const PictureSize& size) const {
