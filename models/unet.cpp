@@ -95,9 +95,8 @@ std::vector<Tensor> UNet::features(const Tensor& input, int64_t resolutions) {
   const Coarse coarse = encode(picture, {input.size(0), input.size(2), input.size(3)}, resolutions);
   std::vector<Tensor> features = coarse.features;
   const int64_t step = strip_rows(input.size(2), context_row_bytes(coarse.size), 2 * context_reach());
-  features[0] = in_strips(input.size(2), step, [&](int64_t begin, int64_t end) {
-    return std::vector<Tensor>{context(coarse, picture, begin, end)};
-  })[0];
+  features[0] = in_strips(input.size(2), step,
+                          [&](int64_t begin, int64_t end) { return context(coarse, picture, begin, end); });
   return features;
 }
 
@@ -128,8 +127,8 @@ UNet::Coarse UNet::encode(const PictureRows& input, PictureSize size, int64_t re
     const PictureRows skip = [&](int64_t begin, int64_t end) { return rows(skips.back(), begin, end); };
     const int64_t step = strip_rows(finer.height, decoder_row_bytes(block, finer), 2 * context_reach());
     x = in_strips(finer.height, step, [&](int64_t begin, int64_t end) {
-      return std::vector<Tensor>{decode_rows(block, x, skip, finer.height, begin, end)};
-    })[0];
+      return decode_rows(block, x, skip, finer.height, begin, end);
+    });
     skips.pop_back();
     strips_done(0.5 - 0.1 * double(resolution) / double(blocks));
   }
@@ -155,8 +154,8 @@ Tensor UNet::encode_block(size_t block, const PictureRows& input, PictureSize si
     const int64_t first = std::max<int64_t>(begin - halo, 0), last = std::min(end + halo, size.height);
     const Tensor x = run(encoder_[block], input(first, last));
     if (block == 0) strips_done(0.3 * double(end) / double(size.height));
-    return std::vector<Tensor>{at::max_pool2d(rows(x, begin - first, end - first), 2)};
-  })[0];
+    return at::max_pool2d(rows(x, begin - first, end - first), 2);
+  });
 }
 
 /// Rows of a decoder block, the last one with the convolution to the context behind it; `height` is that of

@@ -9,6 +9,30 @@ namespace ld {
 
 using torch::Tensor;
 
+namespace {
+
+/// What the filter reads of some rows.
+struct Pixels {
+  Tensor log_n;       // [B, 1, H, W]
+  Tensor radiance;    // the aggregate [B, C, H, W]
+  Tensor embedding;   // of the pixel [B, E, H, W]
+  Tensor context;     // C_xy [B, C, H, W]
+  Tensor modulators;  // undefined without demodulation
+
+  friend std::vector<Tensor*> tensors_of(Pixels& p) {
+    return {&p.log_n, &p.radiance, &p.embedding, &p.context, &p.modulators};
+  }
+};
+
+/// 0, or -inf for a pixel without samples, [B, 1, H, W].
+Tensor log_weights_of_pixels(const NetworkInput& strip) {
+  const Tensor drawn = strip.valid.ne(0).any(1);
+  return at::zeros(drawn.sizes(), strip.radiance.options())
+      .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+
 PixelNetwork::PixelNetwork(const NetworkConfig& config)
     : ContextNetwork(config, 2 * channel_count(config.features)),
       kernel_generator_(register_module("kernel_generator",
@@ -23,40 +47,34 @@ Tensor PixelNetwork::denoise(const InputSource& input) {
     return in_strips(
         begin, end, short_strip_rows(end - begin, sample_bytes), [&](int64_t first, int64_t last) {
           const NetworkInput strip = input.rows(first, last);
-          return std::vector<Tensor>{
-              sample_reducer_->forward(sample_statistics(strip.features, strip.valid)).squeeze(1)};
-        })[0];  // of the pixel, [B, E, rows, W]
+          return sample_reducer_->forward(sample_statistics(strip.features, strip.valid)).squeeze(1);
+        });  // of the pixel, [B, E, rows, W]
   };
   const Context context = make_context(embedding_rows, input, 1);
   return in_reaching_strips(
       size.height, second_half_rows(size, row_bytes(size)), filter_reach(),
       [&](int64_t begin, int64_t end) {
-        std::vector<Tensor> made = in_strips(
-            begin, end, short_strip_rows(end - begin, sample_bytes), [&](int64_t first, int64_t last) {
-              const NetworkInput strip = input.rows(first, last);
-              const Tensor drawn = strip.valid.ne(0).any(1);  // [B, 1, rows, W]
-              const Tensor log_n =
-                  at::zeros(drawn.sizes(), strip.radiance.options())
-                      .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
-              std::vector<Tensor> pixels = {log_n,
-                                            masked_mean(strip.radiance, strip.valid)};  // the aggregate
-              if (modulation_) pixels.push_back(modulators_of(strip));
-              return pixels;
-            });
-        const Tensor of_pixels = modulation_ ? made.back() : Tensor();
-        made.resize(2);
-        made.push_back(context_rows(context, begin, end));  // C_xy
-        made.push_back(context.picture(begin, end));
-        if (modulation_) made.push_back(of_pixels);
+        Pixels made = in_strips(begin, end, short_strip_rows(end - begin, sample_bytes),
+                                [&](int64_t first, int64_t last) {
+                                  const NetworkInput strip = input.rows(first, last);
+                                  Pixels pixels;
+                                  pixels.log_n = log_weights_of_pixels(strip);
+                                  pixels.radiance = masked_mean(strip.radiance, strip.valid);
+                                  pixels.modulators = modulators_of(strip);
+                                  return pixels;
+                                });
+        made.context = context_rows(context, begin, end);
+        made.embedding = context.picture(begin, end);
         return made;
       },
-      [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        const Tensor embedding = made[3].unsqueeze(1), log_n = weighed(made[0], embedding, made[2]);
-        const Tensor filtered =
-            filter(kernel_generator_->kernels(), embedding, made[2], log_n.squeeze(1), made[1], first);
-        const Tensor picture = modulated(filtered, modulation_ ? made[4] : Tensor(), made[2]);
-        return std::vector<Tensor>{rows(picture, begin - first, end - first)};
-      })[0];
+      [&](const Pixels& made, int64_t first, int64_t begin, int64_t end) {
+        const Tensor embedding = made.embedding.unsqueeze(1),
+                     log_n = weighed(made.log_n, embedding, made.context);
+        const Tensor filtered = filter(kernel_generator_->kernels(), embedding, made.context,
+                                       log_n.squeeze(1), made.radiance, first);
+        const Tensor picture = modulated(filtered, made.modulators, made.context);
+        return rows(picture, begin - first, end - first);
+      });
 }
 
 Kernels PixelNetwork::make_kernels(const InputSource& input) {
@@ -65,11 +83,8 @@ Kernels PixelNetwork::make_kernels(const InputSource& input) {
   const Tensor embedding = sample_reducer_->forward(sample_statistics(whole.features, whole.valid));
   const Context context = make_context(
       [&](int64_t begin, int64_t end) { return rows(embedding.squeeze(1), begin, end); }, input, 1);
-  const Tensor drawn = whole.valid.ne(0).any(1);  // [B, 1, H, W]
-  const Tensor log_n = at::zeros(drawn.sizes(), whole.radiance.options())
-                           .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
   const Tensor c = context_rows(context, 0, sizes.height);
-  return {kernel_generator_->logits(embedding, c), weighed(log_n, embedding, c)};
+  return {kernel_generator_->logits(embedding, c), weighed(log_weights_of_pixels(whole), embedding, c)};
 }
 
 int64_t PixelNetwork::row_bytes(const PictureSize& size) const {

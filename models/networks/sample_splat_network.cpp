@@ -72,19 +72,19 @@ Tensor SampleSplatNetwork::denoise(const InputSource& given) {
   return in_reaching_strips(
       size.height, second_half_rows(size, row_bytes(size, sizes.samples)), filter_reach(),
       [&](int64_t begin, int64_t end) {
-        return std::vector<Tensor>{context_rows(context, begin, end)};  // C_xy
+        return context_rows(context, begin, end);  // C_xy
       },
-      [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        const int64_t last = first + made[0].size(2);
+      [&](const Tensor& made, int64_t first, int64_t begin, int64_t end) {
+        const int64_t last = first + made.size(2);
         NetworkInput strip = input.rows(first, last);
         const Tensor embedding = embeddings.of_rows(strip, first, last);
         strip.features = Tensor();
-        const Tensor log_n = weighed(log_weights(strip.valid), embedding, made[0]);
-        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made[0], log_n,
+        const Tensor log_n = weighed(log_weights(strip.valid), embedding, made);
+        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made, log_n,
                                                       strip.radiance, first);
-        const Tensor picture = modulated(filtered, modulators_of(strip), made[0]);
-        return std::vector<Tensor>{rows(picture, begin - first, end - first)};
-      })[0];
+        const Tensor picture = modulated(filtered, modulators_of(strip), made);
+        return rows(picture, begin - first, end - first);
+      });
 }
 
 int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) const {

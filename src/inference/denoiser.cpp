@@ -113,14 +113,14 @@ std::vector<LayerPicture> Denoiser::layers(const Frame& frame, const DenoiseOpti
   LayerNetwork& network = layer_network(*network_);
   const FrameInput input(frame, network_config().features);
   const Run run(*network_, frame, options);
-  const torch::Tensor planes = network.layers(input).squeeze(0);  // [N, 8, H, W]
+  const LayerPictures pictures = network.layers(input);
   std::vector<LayerPicture> layers;
-  for (int64_t l = 0; l < planes.size(0); ++l) {
-    const torch::Tensor layer = planes[l], radiance = layer.narrow(0, 0, 3), alpha = layer.narrow(0, 3, 1),
-                        weight = layer.narrow(0, 4, 1);
+  for (int64_t l = 0; l < pictures.radiance.size(1); ++l) {
+    const torch::Tensor radiance = pictures.radiance[0][l], alpha = pictures.opacity[0][l],
+                        weight = pictures.weight[0][l];
     const torch::Tensor contribution = weight * radiance / alpha.masked_fill(alpha.eq(0), 1);
-    layers.push_back({to_image(layer.narrow(0, 5, 3)), to_image(radiance), to_image(alpha), to_image(weight),
-                      to_image(contribution)});
+    layers.push_back({to_image(pictures.unfiltered_radiance[0][l]), to_image(radiance), to_image(alpha),
+                      to_image(weight), to_image(contribution)});
   }
   return layers;
 }
