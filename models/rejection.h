@@ -7,7 +7,7 @@
 
 #include "models/fully_connected_module.h"
 #include "models/network_config.h"
-#include "models/rejection_range.h"
+#include "models/network_numbers.h"
 
 namespace ld {
 

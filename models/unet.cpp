@@ -1,6 +1,7 @@
 #include "models/unet.h"
 
 #include "models/row_strips.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 
@@ -53,7 +54,7 @@ nn::Sequential UNet::make_block(int64_t inputs, const std::vector<int64_t>& widt
   nn::Sequential block;
   for (const int64_t width : widths) {
     block->push_back(std::make_shared<Convolution>(inputs, width));
-    block->push_back(nn::LeakyReLU(nn::LeakyReLUOptions().negative_slope(0.01).inplace(true)));
+    block->push_back(nn::LeakyReLU(nn::LeakyReLUOptions().negative_slope(kLeakySlope).inplace(true)));
     inputs = width;
   }
   return block;

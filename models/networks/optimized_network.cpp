@@ -1,8 +1,7 @@
 #include "models/networks/optimized_network.h"
 
-#include <limits>
-
 #include "models/compositor.h"
+#include "ops/expect_tensor.h"
 
 namespace ld {
 
@@ -101,7 +100,7 @@ Tensor OptimizedNetwork::blend_rows(const Levels& levels, int64_t begin, int64_t
     log_coverage.push_back(coverage.log());
   }
   const Tensor known = at::cat(log_coverage, 1);  // -inf for a level without anything to say
-  const Tensor nothing = known.eq(-std::numeric_limits<double>::infinity()).all(1, /*keepdim=*/true);
+  const Tensor nothing = known.eq(-kInfinity).all(1, /*keepdim=*/true);
   const Tensor logits = rows(levels.logits, begin, end) + known.masked_fill(nothing, 0);
   const Tensor lambda = at::softmax(logits, 1).unsqueeze(2);                       // [B, levels, 1, H, W]
   const Tensor picture = weighted_sum(lambda, at::stack(pictures, 1)).squeeze(1);  // eq. 10

@@ -1,8 +1,7 @@
 #include "models/networks/pixel_network.h"
 
-#include <limits>
-
 #include "models/sample_statistics.h"
+#include "ops/expect_tensor.h"
 #include "ops/weighted_sum.h"
 
 namespace ld {
@@ -27,8 +26,7 @@ struct Pixels {
 /// 0, or -inf for a pixel without samples, [B, 1, H, W].
 Tensor log_weights_of_pixels(const NetworkInput& strip) {
   const Tensor drawn = strip.valid.ne(0).any(1);
-  return at::zeros(drawn.sizes(), strip.radiance.options())
-      .masked_fill(drawn.logical_not(), -std::numeric_limits<double>::infinity());
+  return at::zeros(drawn.sizes(), strip.radiance.options()).masked_fill(drawn.logical_not(), -kInfinity);
 }
 
 }  // namespace

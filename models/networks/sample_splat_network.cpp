@@ -1,7 +1,6 @@
 #include "models/networks/sample_splat_network.h"
 
-#include <limits>
-
+#include "ops/expect_tensor.h"
 #include "ops/generated_filter.h"
 
 namespace ld {
@@ -46,7 +45,7 @@ namespace {
 
 /// 0, or -inf for a sample that is not valid, [B, S, H, W].
 Tensor log_weights(const Tensor& valid) {
-  return at::zeros_like(valid).masked_fill(valid.eq(0), -std::numeric_limits<double>::infinity()).squeeze(2);
+  return at::zeros_like(valid).masked_fill(valid.eq(0), -kInfinity).squeeze(2);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "export/onnx_modules.h"
 #include "frame/schema.h"
 #include "models/check_network.h"
-#include "models/rejection_range.h"
+#include "models/network_numbers.h"
 
 namespace ld {
 namespace {

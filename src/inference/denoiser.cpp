@@ -13,9 +13,8 @@
 namespace ld {
 namespace {
 
-constexpr int64_t kLargestStrip = int64_t(256) << 20;  // more makes nothing faster
-constexpr int64_t kSmallestStrip = int64_t(1) << 20;   // strips cannot get smaller than a few rows anyway
-constexpr int64_t kThreads = int64_t(48) << 20;        // stacks, OpenBLAS, oneDNN, the operators' scratch
+constexpr int64_t kSmallestStrip = int64_t(1) << 20;  // strips cannot get smaller than a few rows anyway
+constexpr int64_t kThreads = int64_t(48) << 20;       // stacks, OpenBLAS, oneDNN, the operators' scratch
 
 int64_t resident_bytes() {
   std::ifstream statm("/proc/self/statm");
@@ -42,7 +41,7 @@ int64_t needed(const Network& network, int64_t base, int64_t strip, int width, i
 /// The largest strips that the budget allows.
 int64_t strip_for(const Network& network, int64_t budget, const Frame& frame) {
   const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0);
-  int64_t strip = kLargestStrip;
+  int64_t strip = kStripBytes;
   while (needed(network, base, strip, frame.width, frame.height, frame.spp) > budget) {
     if (strip <= kSmallestStrip)
       fail_usage(
