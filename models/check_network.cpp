@@ -54,14 +54,14 @@ void check_use(const NetworkConfig& config) {
     fail_usage(
         "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized'",
         config.levels, config.name);
-  if (config.rejection && !network.splats)
-    fail_usage("network.rejection is true, but network '{}' weighs what it receives anyway; leave it out",
-               config.name);
+  if (config.rejection && network.filter != Filter::splat)
+    fail_usage(
+        "network.rejection is true, but network '{}' sends nothing that could count less; leave it out",
+        config.name);
   if (config.means && network.sources != Sources::pixels)
     fail_usage(
         "network.means is true, but network '{}' works on samples; use 'pixel_gather' or 'pixel_splat', or "
-        "leave "
-        "it out",
+        "leave it out",
         config.name);
   if (network.has_levels && (config.levels < 1 || config.levels > config.unet.resolutions()))
     fail_usage("network.levels is {}, expected 1 to {}: the U-net has so many resolutions", config.levels,

@@ -11,6 +11,15 @@
 
 namespace ld {
 
+/// Of a logit that chooses between radiances. Where these are near the largest float the gradient is 1e30
+/// (models/network.h), of which the embeddings, up to 1e10, make the weights': their product must not
+/// overflow.
+inline torch::Tensor with_bounded_gradient(const torch::Tensor& logit) {
+  if (logit.requires_grad())
+    logit.register_hook([](const torch::Tensor& gradient) { return gradient.clamp(-1e20, 1e20); });
+  return logit;
+}
+
 enum class LastLayer { activated, linear };
 
 /// Layers of the given widths {inputs, hidden..., outputs}. Parameters: 0.weight [outputs, inputs],

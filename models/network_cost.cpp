@@ -91,6 +91,8 @@ NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t heig
     } else if (starts_with(name, "kernel_generator")) {
       const int64_t level = has_levels ? trailing_number(name) : 0;
       cost.kernel_generator += weights * pixels_at(level) * sources.kernels;
+    } else if (network_traits(config.name).filter == Filter::own) {
+      cost.filtering += weights * pixels;
     } else {
       fail("cost of a network: '{}' has a parameter '{}' of unknown use", config.name, name);
     }

@@ -1,6 +1,7 @@
 #include "models/networks/layer_network.h"
 
 #include "models/compositor.h"
+#include "models/networks/registry.h"
 
 namespace ld {
 
@@ -111,6 +112,10 @@ Tensor LayerNetwork::kernels_at(const InputSource& given, int64_t x, int64_t y) 
                             .select(3, 0);  // [B, N, K*K]
   const Tensor log_n = made.partition.log_n.select(3, x).select(2, 0).unsqueeze(2);
   return at::softmax((logits + log_n).flatten(1), 1).view(logits.sizes()).nan_to_num(0);
+}
+
+std::shared_ptr<Network> make_layer_network(const NetworkConfig& config) {
+  return std::make_shared<LayerNetwork>(config);
 }
 
 }  // namespace ld

@@ -1,6 +1,7 @@
 #include "models/networks/optimized_network.h"
 
 #include "models/compositor.h"
+#include "models/networks/registry.h"
 #include "ops/expect_tensor.h"
 
 namespace ld {
@@ -148,6 +149,10 @@ int64_t OptimizedNetwork::memory_bytes(int64_t, int64_t height, int64_t width) c
   const int64_t floats = 2 * (3 + 1 + config().levels + 3 * further) + 2 * floats_of_layers / 3 + 1;
   return memory_of(size, config().levels, layers_row_bytes(size),
                    floats * height * width * int64_t(sizeof(float)));
+}
+
+std::shared_ptr<Network> make_optimized_network(const NetworkConfig& config) {
+  return std::make_shared<OptimizedNetwork>(config);
 }
 
 }  // namespace ld

@@ -1,5 +1,6 @@
 #include "models/networks/sample_splat_network.h"
 
+#include "models/networks/registry.h"
 #include "ops/expect_tensor.h"
 #include "ops/generated_filter.h"
 
@@ -95,6 +96,10 @@ int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) 
 int64_t SampleSplatNetwork::memory_bytes(int64_t samples, int64_t height, int64_t width) const {
   const PictureSize size = {1, height, width};
   return memory_of(size, 1, row_bytes(size, samples), 3 * height * width * int64_t(sizeof(float)));
+}
+
+std::shared_ptr<Network> make_sample_splat_network(const NetworkConfig& config) {
+  return std::make_shared<SampleSplatNetwork>(config);
 }
 
 }  // namespace ld
