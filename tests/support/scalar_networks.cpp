@@ -162,6 +162,29 @@ Filtered pixel(const Samples& samples, const Parameters& parameters, const Netwo
   return {divide(splat(kernels, scaled(radiance, sent)), splat(kernels, sent)), context};
 }
 
+/// The mean and its Gaussian blur, in the proportion that the network says.
+Filtered pixel_blend(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+  const FirstHalf half = first_half_of_pixels(samples, parameters, layout);
+  const Grid logits = fully_connected(half.embedding, half.context[0], parameters, "blend.", false);
+  const Grid mean = masked_mean(samples.radiance, samples.valid), given = drawn(samples.valid);
+  const int64_t size = layout.kernel_size;
+  Grid gaussian(mean.b, 1, size * size, mean.h, mean.w);
+  each(gaussian, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    for (int64_t t = 0; t < gaussian.c; ++t) {
+      const double dy = double(t / size - size / 2), dx = double(t % size - size / 2),
+                   sigma = double(size) / 6;
+      gaussian(b, 0, t, y, x) = -(dx * dx + dy * dy) / (2 * sigma * sigma);
+    }
+  });
+  Grid out = gather(gaussian, mean, given);
+  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    const double kept = given(b, 0, 0, y, x) / (1 + std::exp(-logits(b, 0, 0, y, x)));
+    for (int64_t c = 0; c < out.c; ++c)
+      out(b, 0, c, y, x) = kept * mean(b, 0, c, y, x) + (1 - kept) * out(b, 0, c, y, x);
+  });
+  return {out, half.context[0]};
+}
+
 /// Sums over blocks of 2^level x 2^level pixels.
 Grid block_sum(const Grid& g, int64_t level) {
   const int64_t scale = int64_t(1) << level;
@@ -246,6 +269,7 @@ Filtered filtered(const std::string& name, const Samples& samples, const Paramet
                   const NetworkLayout& layout) {
   if (name == "layer") return layer(samples, parameters, layout);
   if (name == "sample_splat") return sample_splat(samples, parameters, layout);
+  if (name == "pixel_blend") return pixel_blend(samples, parameters, layout);
   if (name == "pixel_gather") return pixel(samples, parameters, layout, true);
   if (name == "pixel_splat") return pixel(samples, parameters, layout, false);
   if (name == "optimized") return optimized(samples, parameters, layout);
