@@ -13,6 +13,7 @@ namespace ld {
 namespace {
 
 constexpr size_t kMostResolutions = 15;  // pictures are padded to multiples of 2^15 at most
+constexpr size_t kMostWidths = 100;      // a damaged file asks for no more modules than fit in little memory
 
 const std::map<std::string, NetworkTraits>& networks() {
   static const std::map<std::string, NetworkTraits> traits = {
@@ -25,6 +26,8 @@ const std::map<std::string, NetworkTraits>& networks() {
 
 void check_widths(const char* key, const std::vector<int64_t>& widths, bool may_be_empty) {
   if (widths.empty() && !may_be_empty) fail_usage("network.{} is empty, expected at least one width", key);
+  if (widths.size() > kMostWidths)
+    fail_usage("network.{} has {} widths, expected at most {}", key, widths.size(), kMostWidths);
   for (const int64_t width : widths)
     if (width < 1) fail_usage("network.{} has a width of {}, expected at least 1", key, width);
 }
@@ -51,14 +54,14 @@ void check_use(const NetworkConfig& config) {
     fail_usage(
         "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized'",
         config.levels, config.name);
-  if (config.rejection && !network.splats)
-    fail_usage("network.rejection is true, but network '{}' weighs what it receives anyway; leave it out",
-               config.name);
+  if (config.rejection && network.filter != Filter::splat)
+    fail_usage(
+        "network.rejection is true, but network '{}' sends nothing that could count less; leave it out",
+        config.name);
   if (config.means && network.sources != Sources::pixels)
     fail_usage(
         "network.means is true, but network '{}' works on samples; use 'pixel_gather' or 'pixel_splat', or "
-        "leave "
-        "it out",
+        "leave it out",
         config.name);
   if (network.has_levels && (config.levels < 1 || config.levels > config.unet.resolutions()))
     fail_usage("network.levels is {}, expected 1 to {}: the U-net has so many resolutions", config.levels,

@@ -11,11 +11,16 @@ namespace ld {
 /// What has a kernel of its own: layers of samples, samples, or pixels, of which mean and variance are read.
 enum class Sources { layers, samples, pixels };
 
-/// What all that know networks from outside need to know of one: checks, counts, costs, exports.
+/// What a kernel does: weighs what its source sends, so that a source can be rejected, or what its pixel
+/// receives. Networks without generated kernels do something of their own: they have no ONNX form, and
+/// modules of names that the others have not, which work once a pixel.
+enum class Filter { splat, gather, own };
+
+/// What all that know networks from outside need to know of one: checks, costs, exports.
 struct NetworkTraits {
   Sources sources;
   bool has_levels;  // works at several resolutions, with a kernel generator for each
-  bool splats;      // its sources send, so that one can be rejected; else pixels gather
+  Filter filter;
 };
 
 /// Throws UsageError for a name that is not in models/networks.def.

@@ -1,7 +1,7 @@
 #include "models/demodulation.h"
 
 #include "frame/schema.h"
-#include "models/demodulation_range.h"
+#include "models/network_numbers.h"
 #include "models/sample_statistics.h"
 
 namespace ld {

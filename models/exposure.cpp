@@ -4,18 +4,12 @@
 #include <cmath>
 
 #include "frame/schema.h"
+#include "models/network_numbers.h"
 #include "ops/tone_map_tensor.h"
 
 namespace ld {
 
 using torch::Tensor;
-
-namespace {
-
-constexpr double kMiddleGrey = 0.18;
-constexpr double kLargestRadiance = 65504;  // half's range, as of all features
-
-}  // namespace
 
 void LogAverage::add(const Tensor& radiance, const Tensor& valid) {
   const Tensor light = radiance.detach().to(torch::kFloat64).clamp_min(0);
@@ -58,7 +52,7 @@ NetworkInput with_exposure(NetworkInput input, const Tensor& exposure, const Net
   if (first < 0) return input;
   // In doubles: neither an exposure of 1e37 nor radiance of 3e38 leaves their range.
   const Tensor exposed = (input.radiance.detach().to(torch::kFloat64) * exposure.view({-1, 1, 1, 1, 1}))
-                             .clamp_max(kLargestRadiance)
+                             .clamp_max(kHalfMax)
                              .to(input.features.scalar_type());
   const Tensor seen = tone_map(exposed).masked_fill(input.valid.eq(0), 0);
   const int64_t channels = input.features.size(2);

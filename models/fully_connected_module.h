@@ -6,9 +6,19 @@
 
 #include <vector>
 
+#include "models/parameters.h"
 #include "ops/fully_connected.h"
 
 namespace ld {
+
+/// Of a logit that chooses between radiances. Where these are near the largest float the gradient is 1e30
+/// (models/network.h), of which the embeddings, up to 1e10, make the weights': their product must not
+/// overflow.
+inline torch::Tensor with_bounded_gradient(const torch::Tensor& logit) {
+  if (logit.requires_grad())
+    logit.register_hook([](const torch::Tensor& gradient) { return gradient.clamp(-1e20, 1e20); });
+  return logit;
+}
 
 enum class LastLayer { activated, linear };
 
@@ -20,8 +30,8 @@ class FullyConnected : public torch::nn::Module {
     for (size_t i = 0; i + 1 < widths.size(); ++i) {
       auto layer = register_module(std::to_string(i), std::make_shared<torch::nn::Module>());
       weights_.weights.push_back(
-          layer->register_parameter("weight", torch::zeros({widths[i + 1], widths[i]})));
-      weights_.biases.push_back(layer->register_parameter("bias", torch::zeros({widths[i + 1]})));
+          layer->register_parameter("weight", new_parameter({widths[i + 1], widths[i]})));
+      weights_.biases.push_back(layer->register_parameter("bias", new_parameter({widths[i + 1]})));
     }
   }
 

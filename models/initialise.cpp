@@ -9,13 +9,12 @@
 #include "models/kernel_generator.h"
 #include "models/rejection.h"
 #include "models/unet.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 namespace {
 
 using torch::Tensor;
-
-constexpr double kSlope = 0.01;  // of the leaky ReLU
 
 /// The weights that no activation follows.
 std::set<std::string> output_weights(Network& network) {
@@ -34,7 +33,7 @@ std::set<std::string> output_weights(Network& network) {
 double bound_of(const Tensor& weight, bool he) {
   const double taps = double(weight[0][0].numel()), inputs = taps * double(weight.size(1)),
                outputs = taps * double(weight.size(0));
-  return std::sqrt(he ? 6.0 / ((1 + kSlope * kSlope) * inputs) : 6.0 / (inputs + outputs));
+  return std::sqrt(he ? 6.0 / ((1 + kLeakySlope * kLeakySlope) * inputs) : 6.0 / (inputs + outputs));
 }
 
 /// Keyed by the parameter's name: no weight depends on what else the network holds.

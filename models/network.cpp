@@ -1,5 +1,7 @@
 #include "models/network.h"
 
+#include "models/parameters.h"
+
 namespace ld {
 
 torch::Tensor Network::forward(NetworkInput input) {
@@ -25,6 +27,17 @@ Kernels Network::kernels(NetworkInput input) {
   check_input(input, config_);
   const int64_t height = input.features.size(3);
   return make_kernels(WholeInput(admit(WholeInput(std::move(input))).rows(0, height)));
+}
+
+std::shared_ptr<Network> make_network_shapes(const NetworkConfig& config) {
+  const ShapesOnly no_memory;
+  return make_network(config);
+}
+
+int64_t parameter_count(const Network& network) {
+  int64_t count = 0;
+  for (const torch::Tensor& parameter : network.parameters()) count += parameter.numel();
+  return count;
 }
 
 }  // namespace ld

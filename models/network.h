@@ -67,8 +67,14 @@ class Network : public torch::nn::Module {
   InputFaults faults_;
 };
 
-/// Throws what check_network() throws. Weights are uninitialised until
+/// Throws what check_network() throws. Weights are zeros until
 /// initialise() (models/initialise.h) or a weight file fills them.
 std::shared_ptr<Network> make_network(const NetworkConfig& config);
+
+/// The same without the memory of its weights (models/parameters.h): its parameters have names and shapes.
+std::shared_ptr<Network> make_network_shapes(const NetworkConfig& config);
+
+/// How many numbers the parameters of a network are.
+int64_t parameter_count(const Network& network);
 
 }  // namespace ld

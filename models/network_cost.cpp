@@ -59,7 +59,7 @@ Counts counts_of(const NetworkConfig& config, double spp) {
 }  // namespace
 
 NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t height, int64_t width) {
-  const auto network = make_network(config);
+  const auto network = make_network_shapes(config);
   const Counts sources = counts_of(config, double(spp));
   const double pixels = double(height * width);
   const bool has_levels = network_traits(config.name).has_levels;
@@ -92,6 +92,8 @@ NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t heig
     } else if (starts_with(name, "kernel_generator")) {
       const int64_t level = has_levels ? trailing_number(name) : 0;
       cost.kernel_generator += weights * pixels_at(level) * sources.kernels;
+    } else if (network_traits(config.name).filter == Filter::own) {
+      cost.filtering += weights * pixels;
     } else {
       fail("cost of a network: '{}' has a parameter '{}' of unknown use", config.name, name);
     }

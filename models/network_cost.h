@@ -14,6 +14,7 @@ namespace ld {
 ///     U-net pads to included); biases, activations, pools and upsampling do not count;
 ///   - the context features are counted as an input of every sample and layer, as the 1x1 convolutions of
 ///     [MH20] appendix B have them. The operators compute that part once a pixel, so they do fewer;
+///   - modules of a network's own filter count once a pixel;
 ///   - a filter counts one for each tap, channel and source, the sum of weights being a channel too.
 /// A training step is three times that (the products backward with the weights and with the activations),
 /// less the gradient of the features, which nobody needs: training().

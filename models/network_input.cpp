@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "frame/half_range.h"
 #include "frame/schema.h"
 #include "models/demodulation.h"
 #include "models/exposure.h"
@@ -15,8 +16,6 @@ namespace ld {
 using torch::Tensor;
 
 namespace {
-
-constexpr double kLargestFeature = 65504;  // half's range: what files hold
 
 /// Whether all numbers lie in [low, high]; NaN does not.
 bool lies_within(const Tensor& t, double low, double high) {
@@ -51,7 +50,7 @@ NetworkInput sanitise(NetworkInput input, InputFaults& faults, int64_t uncounted
   const double largest_radiance = input.radiance.scalar_type() == torch::kFloat32
                                       ? double(std::numeric_limits<float>::max())
                                       : std::numeric_limits<double>::max();
-  const bool features_fit = lies_within(input.features, -kLargestFeature, kLargestFeature);
+  const bool features_fit = lies_within(input.features, -kHalfMax, kHalfMax);
   const bool radiance_fits = lies_within(input.radiance, 0, largest_radiance);
   if (features_fit && radiance_fits) return input;
 
@@ -67,10 +66,9 @@ NetworkInput sanitise(NetworkInput input, InputFaults& faults, int64_t uncounted
 
   const Tensor drawn = input.valid.ne(0);
   faults.negative = count(input.radiance.detach().lt(0).logical_and(drawn), uncounted_rows);
-  faults.clamped =
-      count(input.features.detach().abs().gt(kLargestFeature).logical_and(drawn), uncounted_rows);
+  faults.clamped = count(input.features.detach().abs().gt(kHalfMax).logical_and(drawn), uncounted_rows);
   input.radiance = input.radiance.clamp_min(0);
-  input.features = input.features.clamp(-kLargestFeature, kLargestFeature);
+  input.features = input.features.clamp(-kHalfMax, kHalfMax);
   return input;
 }
 

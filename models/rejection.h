@@ -7,7 +7,7 @@
 
 #include "models/fully_connected_module.h"
 #include "models/network_config.h"
-#include "models/rejection_range.h"
+#include "models/network_numbers.h"
 
 namespace ld {
 
@@ -26,11 +26,7 @@ class Rejection : public torch::nn::Module {
   /// log_n [B, N, H, W], embedding [B, N, E, H, W], context [B, C, H, W] -> log n' [B, N, H, W].
   torch::Tensor weighed(const torch::Tensor& log_n, const torch::Tensor& embedding,
                         const torch::Tensor& context) const {
-    const torch::Tensor logit = weight_->forward(embedding, context).squeeze(2);
-    // Of radiance near the largest float the gradient is 1e30 (models/network.h), of which the embeddings, up
-    // to 1e10, make the weights': their product must not overflow.
-    if (logit.requires_grad())
-      logit.register_hook([](const torch::Tensor& gradient) { return gradient.clamp(-1e20, 1e20); });
+    const torch::Tensor logit = with_bounded_gradient(weight_->forward(embedding, context).squeeze(2));
     return log_n - kMostRejected * at::sigmoid(logit);
   }
 

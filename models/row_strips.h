@@ -14,7 +14,10 @@ inline torch::Tensor rows(const torch::Tensor& t, int64_t begin, int64_t end) {
   return t.defined() ? t.narrow(t.dim() - 2, begin, end - begin) : t;
 }
 
-/// While one lives, strips of this thread take about `bytes` instead of 256 MB: for tests on small pictures.
+/// What a strip takes; more makes nothing faster.
+constexpr int64_t kStripBytes = int64_t(256) << 20;
+
+/// While one lives, strips of this thread take about `bytes` instead.
 class StripBytes {
  public:
   explicit StripBytes(int64_t bytes) : before_(current()) { current() = bytes; }
@@ -22,7 +25,7 @@ class StripBytes {
   StripBytes(const StripBytes&) = delete;
   StripBytes& operator=(const StripBytes&) = delete;
   static int64_t& current() {
-    static thread_local int64_t bytes = int64_t(256) << 20;
+    static thread_local int64_t bytes = kStripBytes;
     return bytes;
   }
 
@@ -83,31 +86,63 @@ inline void strips_done(double share) {
   if (StripProgress::current()) StripProgress::current()(share);
 }
 
-/// The tensors that body(begin, end) returns for strips of `step` rows of [first, last), put together along
-/// their rows, first row first.
+/// What strips make and hand on is a tensor, or a struct of tensors with a tensors_of() of its own. A tensor
+/// that the network has no use for is undefined.
+inline std::vector<torch::Tensor*> tensors_of(torch::Tensor& t) {
+  return {&t};
+}
+
+/// rows() of all tensors of a struct.
+template <class Strip>
+Strip rows_of(Strip strip, int64_t begin, int64_t end) {
+  for (torch::Tensor* t : tensors_of(strip)) *t = rows(*t, begin, end);
+  return strip;
+}
+
+/// Strips put together, first row first. Each tensor's strips are free before the next one is put together.
+template <class Strip>
+Strip stacked_rows(std::vector<Strip> strips) {
+  if (strips.size() == 1) return std::move(strips[0]);
+  Strip whole;
+  const std::vector<torch::Tensor*> to = tensors_of(whole);
+  for (size_t i = 0; i < to.size(); ++i) {
+    std::vector<torch::Tensor> parts;
+    for (Strip& strip : strips) parts.push_back(std::move(*tensors_of(strip)[i]));
+    if (parts[0].defined()) *to[i] = at::cat(parts, parts[0].dim() - 2);
+  }
+  return whole;
+}
+
+/// Room for a tensor of which `strip` holds some of `height` rows.
+inline torch::Tensor room_for(const torch::Tensor& strip, int64_t height) {
+  std::vector<int64_t> sizes = strip.sizes().vec();
+  // Checked, as GCC 14 warns that there might be one size only.
+  sizes.at(sizes.size() - 2) = height;
+  const bool picture = sizes.size() == 4;  // may have its channels last
+  return at::empty(sizes, strip.options(),
+                   picture ? strip.suggest_memory_format() : at::MemoryFormat::Contiguous);
+}
+
+/// What body(begin, end) returns for strips of `step` rows of [first, last), put together, first row first.
 template <class Body>
-std::vector<torch::Tensor> in_strips(int64_t first, int64_t last, int64_t step, const Body& body) {
+auto in_strips(int64_t first, int64_t last, int64_t step, const Body& body) {
   if (step >= last - first) return body(first, last);
-  std::vector<torch::Tensor> whole;
+  decltype(body(first, last)) whole;
+  const std::vector<torch::Tensor*> to = tensors_of(whole);
   for (int64_t begin = first; begin < last; begin += step) {
     const int64_t end = std::min(begin + step, last);
-    const std::vector<torch::Tensor> strip = body(begin, end);
-    for (size_t i = 0; i < strip.size(); ++i) {
-      if (begin == first) {
-        std::vector<int64_t> sizes = strip[i].sizes().vec();
-        // Checked, as GCC 14 warns that there might be one size only.
-        sizes.at(sizes.size() - 2) = last - first;
-        const bool picture = sizes.size() == 4;  // may have its channels last
-        whole.push_back(at::empty(sizes, strip[i].options(),
-                                  picture ? strip[i].suggest_memory_format() : at::MemoryFormat::Contiguous));
-      }
-      rows(whole[i], begin - first, end - first).copy_(strip[i]);
+    auto strip = body(begin, end);
+    const std::vector<torch::Tensor*> from = tensors_of(strip);
+    for (size_t i = 0; i < from.size(); ++i) {
+      if (!from[i]->defined()) continue;
+      if (begin == first) *to[i] = room_for(*from[i], last - first);
+      rows(*to[i], begin - first, end - first).copy_(*from[i]);
     }
   }
   return whole;
 }
 template <class Body>
-std::vector<torch::Tensor> in_strips(int64_t height, int64_t step, const Body& body) {
+auto in_strips(int64_t height, int64_t step, const Body& body) {
   return in_strips(0, height, step, body);
 }
 
@@ -115,27 +150,25 @@ std::vector<torch::Tensor> in_strips(int64_t height, int64_t step, const Body& b
 /// what two strips share is kept from one to the next. use(made, first, begin, end) returns the result of
 /// rows [begin, end); row 0 of `made` is row `first` of the picture.
 template <class Make, class Use>
-std::vector<torch::Tensor> in_reaching_strips(int64_t height, int64_t step, int64_t reach, const Make& make,
-                                              const Use& use) {
-  std::vector<torch::Tensor> made;
+auto in_reaching_strips(int64_t height, int64_t step, int64_t reach, const Make& make, const Use& use) {
+  decltype(make(0, height)) made;
+  const std::vector<torch::Tensor*> kept = tensors_of(made);
   int64_t made_first = 0, made_last = 0;
   return in_strips(height, step, [&](int64_t begin, int64_t end) {
     const int64_t first = std::max<int64_t>(begin - reach, 0), last = std::min(end + reach, height);
-    for (torch::Tensor& t : made) t = rows(t, first - made_first, made_last - made_first).clone();
+    for (torch::Tensor* t : kept)
+      if (t->defined()) *t = rows(*t, first - made_first, made_last - made_first).clone();
     if (made_last < last) {
-      std::vector<torch::Tensor> next = make(made_last, last);
-      if (made.empty()) {
-        made = std::move(next);
-      } else {
-        for (size_t i = 0; i < made.size(); ++i) {
-          made[i] = at::cat({made[i], next[i]}, made[i].dim() - 2);
-          next[i] = torch::Tensor();
-        }
+      auto next = make(made_last, last);
+      const std::vector<torch::Tensor*> further = tensors_of(next);
+      for (size_t i = 0; i < kept.size(); ++i) {
+        if (kept[i]->defined()) *further[i] = at::cat({*kept[i], *further[i]}, kept[i]->dim() - 2);
+        *kept[i] = std::move(*further[i]);
       }
     }
     made_first = first;
     made_last = last;
-    std::vector<torch::Tensor> result = use(made, first, begin, end);
+    auto result = use(made, first, begin, end);
     strips_done(0.5 + 0.5 * double(end) / double(height));
     return result;
   });

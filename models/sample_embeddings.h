@@ -40,8 +40,8 @@ class SampleEmbeddings {
     const int64_t step = short_strip_rows(end - begin, row_bytes());
     return in_strips(begin, end, step, [&](int64_t first, int64_t last) {
       const NetworkInput strip = input_.rows(first, last);
-      return std::vector<torch::Tensor>{masked_mean(of_rows(strip, first, last), strip.valid)};
-    })[0];
+      return masked_mean(of_rows(strip, first, last), strip.valid);
+    });
   }
 
  private:

@@ -22,10 +22,10 @@ Tensor statistics(const Tensor& features, const Tensor& valid) {
 Tensor sample_statistics(const Tensor& features, const Tensor& valid) {
   const int64_t row_bytes = 3 * features.size(0) * features.size(1) * features.size(2) * features.size(4) *
                             int64_t(features.element_size());
-  return in_strips(
-      features.size(3), short_strip_rows(features.size(3), row_bytes), [&](int64_t begin, int64_t end) {
-        return std::vector<Tensor>{statistics(rows(features, begin, end), rows(valid, begin, end))};
-      })[0];
+  return in_strips(features.size(3), short_strip_rows(features.size(3), row_bytes),
+                   [&](int64_t begin, int64_t end) {
+                     return statistics(rows(features, begin, end), rows(valid, begin, end));
+                   });
 }
 
 }  // namespace ld

@@ -1,6 +1,7 @@
 #include "models/unet.h"
 
 #include "models/row_strips.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 
@@ -8,10 +9,6 @@ using torch::Tensor;
 namespace nn = torch::nn;
 
 namespace {
-
-nn::Conv2d convolution(int64_t inputs, int64_t outputs) {
-  return nn::Conv2d(nn::Conv2dOptions(inputs, outputs, 3).padding(1));
-}
 
 int64_t even(int64_t n) {
   return (n + 1) / 2 * 2;
@@ -50,14 +47,14 @@ UNet::UNet(int64_t inputs, const UNetConfig& config) : config_(config), inputs_(
     channels = widths.back();
     skips.pop_back();
   }
-  context_ = register_module("context", convolution(channels, config.context));
+  context_ = register_module("context", std::make_shared<Convolution>(channels, config.context));
 }
 
 nn::Sequential UNet::make_block(int64_t inputs, const std::vector<int64_t>& widths) const {
   nn::Sequential block;
   for (const int64_t width : widths) {
-    block->push_back(convolution(inputs, width));
-    block->push_back(nn::LeakyReLU(nn::LeakyReLUOptions().negative_slope(0.01).inplace(true)));
+    block->push_back(std::make_shared<Convolution>(inputs, width));
+    block->push_back(nn::LeakyReLU(nn::LeakyReLUOptions().negative_slope(kLeakySlope).inplace(true)));
     inputs = width;
   }
   return block;
@@ -99,9 +96,8 @@ std::vector<Tensor> UNet::features(const Tensor& input, int64_t resolutions) {
   const Coarse coarse = encode(picture, {input.size(0), input.size(2), input.size(3)}, resolutions);
   std::vector<Tensor> features = coarse.features;
   const int64_t step = strip_rows(input.size(2), context_row_bytes(coarse.size), 2 * context_reach());
-  features[0] = in_strips(input.size(2), step, [&](int64_t begin, int64_t end) {
-    return std::vector<Tensor>{context(coarse, picture, begin, end)};
-  })[0];
+  features[0] = in_strips(input.size(2), step,
+                          [&](int64_t begin, int64_t end) { return context(coarse, picture, begin, end); });
   return features;
 }
 
@@ -132,8 +128,8 @@ UNet::Coarse UNet::encode(const PictureRows& input, PictureSize size, int64_t re
     const PictureRows skip = [&](int64_t begin, int64_t end) { return rows(skips.back(), begin, end); };
     const int64_t step = strip_rows(finer.height, decoder_row_bytes(block, finer), 2 * context_reach());
     x = in_strips(finer.height, step, [&](int64_t begin, int64_t end) {
-      return std::vector<Tensor>{decode_rows(block, x, skip, finer.height, begin, end)};
-    })[0];
+      return decode_rows(block, x, skip, finer.height, begin, end);
+    });
     skips.pop_back();
     strips_done(0.5 - 0.1 * double(resolution) / double(blocks));
   }
@@ -159,8 +155,8 @@ Tensor UNet::encode_block(size_t block, const PictureRows& input, PictureSize si
     const int64_t first = std::max<int64_t>(begin - halo, 0), last = std::min(end + halo, size.height);
     const Tensor x = run(encoder_[block], input(first, last));
     if (block == 0) strips_done(0.3 * double(end) / double(size.height));
-    return std::vector<Tensor>{at::max_pool2d(rows(x, begin - first, end - first), 2)};
-  })[0];
+    return at::max_pool2d(rows(x, begin - first, end - first), 2);
+  });
 }
 
 /// Rows of a decoder block, the last one with the convolution to the context behind it; `height` is that of
@@ -202,8 +198,7 @@ int64_t UNet::skip_channels(int64_t resolution) const {
 /// Memory of one row in a block: what comes in, once more while it is put together, and two layers' outputs.
 int64_t UNet::row_bytes(const PictureSize& size, int64_t inputs, const std::vector<int64_t>& widths) const {
   const int64_t widest = *std::max_element(widths.begin(), widths.end());
-  return size.batch * std::max(2 * inputs, inputs + 2 * widest) * size.width *
-         int64_t(context_->weight.element_size());
+  return size.batch * std::max(2 * inputs, inputs + 2 * widest) * size.width * context_->element_size();
 }
 
 int64_t UNet::decoder_row_bytes(size_t block, const PictureSize& size) const {

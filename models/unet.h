@@ -5,9 +5,11 @@
 #include <torch/torch.h>
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "models/network_config.h"
+#include "models/parameters.h"
 
 namespace ld {
 
@@ -16,6 +18,24 @@ using PictureRows = std::function<torch::Tensor(int64_t begin, int64_t end)>;
 
 struct PictureSize {
   int64_t batch, height, width;
+};
+
+/// 3x3, zeros beyond the border. (LibTorch's own module would draw random weights that nobody uses, from its
+/// global generator.) Parameters: weight [outputs, inputs, 3, 3], bias [outputs].
+class Convolution : public torch::nn::Module {
+ public:
+  Convolution(int64_t inputs, int64_t outputs)
+      : weight_(register_parameter("weight", new_parameter({outputs, inputs, 3, 3}))),
+        bias_(register_parameter("bias", new_parameter({outputs}))) {}
+
+  torch::Tensor forward(const torch::Tensor& x) {
+    return at::conv2d(x, weight_, bias_, /*stride=*/1, /*padding=*/1);
+  }
+
+  int64_t element_size() const { return int64_t(weight_.element_size()); }
+
+ private:
+  torch::Tensor weight_, bias_;
 };
 
 /// Encoder blocks of 3x3 convolutions with leaky ReLU, a 2x2 max-pool after each; a bottleneck block; decoder
@@ -80,7 +100,7 @@ class UNet : public torch::nn::Module {
   int64_t inputs_;
   std::vector<torch::nn::Sequential> encoder_, decoder_;
   torch::nn::Sequential bottleneck_{nullptr};
-  torch::nn::Conv2d context_{nullptr};
+  std::shared_ptr<Convolution> context_;
 };
 
 }  // namespace ld

@@ -1,6 +1,7 @@
 #include "models/networks/layer_network.h"
 
 #include "models/compositor.h"
+#include "models/networks/registry.h"
 
 namespace ld {
 
@@ -11,10 +12,9 @@ LayerNetwork::LayerNetwork(const NetworkConfig& config)
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
-/// The whole network but its last step: use(layers of a strip, its first row) returns a picture of those
-/// rows.
+/// The whole network but its last step: use(layers of a strip, its first row) returns pictures of those rows.
 template <class Use>
-Tensor LayerNetwork::in_layer_strips(const InputSource& input, const Use& use) {
+auto LayerNetwork::in_layer_strips(const InputSource& input, const Use& use) {
   const SampleEmbeddings embeddings(*sample_reducer_, input);
   const Context context =
       make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
@@ -22,12 +22,10 @@ Tensor LayerNetwork::in_layer_strips(const InputSource& input, const Use& use) {
   const PictureSize size = {sizes.batch, sizes.height, sizes.width};
   return in_reaching_strips(
       size.height, second_half_rows(size, layers_row_bytes(size)), filter_reach(),
-      [&](int64_t begin, int64_t end) {
-        return make_layers(input, embeddings, context, begin, end).tensors();
-      },
-      [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        return std::vector<Tensor>{rows(use(layers_of(made), first), begin - first, end - first)};
-      })[0];
+      [&](int64_t begin, int64_t end) { return make_layers(input, embeddings, context, begin, end); },
+      [&](const Layers& made, int64_t first, int64_t begin, int64_t end) {
+        return rows_of(use(made, first), begin - first, end - first);
+      });
 }
 
 Tensor LayerNetwork::denoise(const InputSource& input) {
@@ -47,13 +45,12 @@ int64_t LayerNetwork::memory_bytes(int64_t, int64_t height, int64_t width) const
   return memory_of(size, 1, layers_row_bytes(size), 3 * height * width * int64_t(sizeof(float)));
 }
 
-Tensor LayerNetwork::layers(const InputSource& input) {
+LayerPictures LayerNetwork::layers(const InputSource& input) {
   return in_layer_strips(
       admit(input), [&](const Layers& layers, int64_t first_row) { return looked_at(layers, first_row); });
 }
 
-/// Radiance, opacity, weight (LayerStages) and unfiltered radiance, [B, N, 8, H, W].
-Tensor LayerNetwork::looked_at(const Layers& made, int64_t first_row) const {
+LayerPictures LayerNetwork::looked_at(const Layers& made, int64_t first_row) const {
   const Partition& layers = made.partition;
   const int64_t count = layers.log_n.size(1);
   const Tensor radiance = layers.radiance.narrow(2, radiance_channels() - 3, 3);  // as it is
@@ -70,7 +67,8 @@ Tensor LayerNetwork::looked_at(const Layers& made, int64_t first_row) const {
     const Tensor weight = generated_splat_joint(kernel_generator_->kernels(), layers.embedding, made.context,
                                                 layers.log_n, belongs, first_row)
                               .unsqueeze(2);
-    return at::cat({filter(at::cat({radiance, layers.opacity}, 2)), weight, radiance}, 2);
+    const Tensor filtered = filter(at::cat({radiance, layers.opacity}, 2));
+    return {radiance, filtered.narrow(2, 0, 3), filtered.narrow(2, 3, 1), weight};
   }
   const Tensor filtered = filter(at::cat({radiance, layers.opacity, layers.transmittance}, 2));
   const Tensor opacity = filtered.narrow(2, 3, 1), transmittance = filtered.narrow(2, 4, 1);
@@ -80,7 +78,7 @@ Tensor LayerNetwork::looked_at(const Layers& made, int64_t first_row) const {
     weights.push_back(visible * opacity.select(1, l));
     visible = visible * transmittance.select(1, l);
   }
-  return at::cat({filtered.narrow(2, 0, 4), at::stack(weights, 1), radiance}, 2);
+  return {radiance, filtered.narrow(2, 0, 3), opacity, at::stack(weights, 1)};
 }
 
 LayerStages LayerNetwork::stages(const NetworkInput& given) {
@@ -99,11 +97,7 @@ LayerStages LayerNetwork::stages(const NetworkInput& given) {
   stages.output = modulated(
       filter_and_composite(kernel_generator_->kernels(), made.partition, stages.context, compositing()),
       made.modulators, made.context);
-  const Tensor looked = looked_at(made, 0);
-  stages.radiance = looked.narrow(2, 0, 3);
-  stages.opacity = looked.narrow(2, 3, 1);
-  stages.weight = looked.narrow(2, 4, 1);
-  stages.unfiltered_radiance = looked.narrow(2, 5, 3);
+  stages.pictures = looked_at(made, 0);
   return stages;
 }
 
@@ -118,6 +112,10 @@ Tensor LayerNetwork::kernels_at(const InputSource& given, int64_t x, int64_t y) 
                             .select(3, 0);  // [B, N, K*K]
   const Tensor log_n = made.partition.log_n.select(3, x).select(2, 0).unsqueeze(2);
   return at::softmax((logits + log_n).flatten(1), 1).view(logits.sizes()).nan_to_num(0);
+}
+
+std::shared_ptr<Network> make_layer_network(const NetworkConfig& config) {
+  return std::make_shared<LayerNetwork>(config);
 }
 
 }  // namespace ld

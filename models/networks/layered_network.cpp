@@ -4,47 +4,24 @@ namespace ld {
 
 using torch::Tensor;
 
-std::vector<Tensor> LayeredNetwork::Layers::tensors() const {
-  std::vector<Tensor> tensors = {context, partition.log_n, partition.radiance, partition.opacity,
-                                 partition.embedding};
-  if (partition.transmittance.defined()) tensors.push_back(partition.transmittance);
-  if (modulators.defined()) tensors.push_back(modulators);
-  return tensors;
-}
-
-LayeredNetwork::Layers LayeredNetwork::layers_of(const std::vector<Tensor>& tensors) const {
-  const bool alpha = compositing() == Compositing::alpha;
-  return {tensors[0],
-          {tensors[1], tensors[2], tensors[3], alpha ? tensors[5] : Tensor(), tensors[4]},
-          modulation_ ? tensors.back() : Tensor()};
-}
-
-LayeredNetwork::Layers LayeredNetwork::layers_of_rows(const Layers& layers, int64_t begin,
-                                                      int64_t end) const {
-  std::vector<Tensor> parts = layers.tensors();
-  for (Tensor& part : parts) part = rows(part, begin, end);
-  return layers_of(parts);
-}
-
 LayeredNetwork::Layers LayeredNetwork::make_layers(const InputSource& input,
                                                    const SampleEmbeddings& embeddings, const Context& context,
                                                    int64_t begin, int64_t end) const {
   const Tensor c = context_rows(context, begin, end);
   const int64_t step = short_strip_rows(end - begin, embeddings.row_bytes(config().layers));
-  std::vector<Tensor> parts = in_strips(begin, end, step, [&](int64_t first, int64_t last) {
+  Layers layers = in_strips(begin, end, step, [&](int64_t first, int64_t last) {
     const NetworkInput strip = input.rows(first, last);
     const Tensor embedding = embeddings.of_rows(strip, first, last);  // E_xys
     const Tensor here = rows(c, first - begin, last - begin);
     const Tensor logits = sample_partitioner_->forward(embedding, here);
-    Layers made = {here, partition(logits, strip.valid, strip.radiance, embedding, compositing()), {}};
+    Layers made;
+    made.partition = partition(logits, strip.valid, strip.radiance, embedding, compositing());  // eq. 1 and 2
     made.partition.log_n = weighed(made.partition.log_n, made.partition.embedding, here);
     made.modulators = modulators_of(strip);
-    std::vector<Tensor> tensors = made.tensors();  // eq. 1 and 2
-    tensors.erase(tensors.begin());
-    return tensors;
+    return made;
   });
-  parts.insert(parts.begin(), c);
-  return layers_of(parts);
+  layers.context = c;
+  return layers;
 }
 
 Kernels LayeredNetwork::kernels_of_layers(const InputSource& input, const KernelGenerator& generator) const {

@@ -18,16 +18,18 @@ class LayeredNetwork : public ContextNetwork {
         sample_partitioner_(
             register_module("sample_partitioner", std::make_shared<SamplePartitioner>(config))) {}
 
-  /// The layers of some rows, in the form that strips are put together in.
+  /// The layers of some rows.
   struct Layers {
     torch::Tensor context;  // C_xy
     Partition partition;
     torch::Tensor modulators;  // undefined without demodulation
 
-    std::vector<torch::Tensor> tensors() const;
+    friend std::vector<torch::Tensor*> tensors_of(Layers& layers) {
+      std::vector<torch::Tensor*> tensors = tensors_of(layers.partition);
+      tensors.insert(tensors.end(), {&layers.context, &layers.modulators});
+      return tensors;
+    }
   };
-  Layers layers_of(const std::vector<torch::Tensor>& tensors) const;
-  Layers layers_of_rows(const Layers& layers, int64_t begin, int64_t end) const;
 
   /// Partitioner and partition of rows [begin, end).
   Layers make_layers(const InputSource& input, const SampleEmbeddings& embeddings, const Context& context,

@@ -1,8 +1,8 @@
 #include "models/networks/optimized_network.h"
 
-#include <limits>
-
 #include "models/compositor.h"
+#include "models/networks/registry.h"
+#include "ops/expect_tensor.h"
 
 namespace ld {
 
@@ -25,25 +25,13 @@ struct OptimizedNetwork::Levels {
 
 namespace {
 
-/// The level's tensors, in an order that level_of() knows, so that strips of it can be put together.
-std::vector<Tensor> tensors_of(const PyramidLevel& level) {
-  const Partition& layers = level.layers;
-  std::vector<Tensor> tensors = {level.pixels, layers.log_n, layers.radiance, layers.opacity,
-                                 layers.embedding};
-  if (layers.transmittance.defined()) tensors.push_back(layers.transmittance);
-  return tensors;
-}
-
-/// From strips, top first, which are free afterwards.
-PyramidLevel level_of(std::vector<std::vector<Tensor>>& strips) {
-  std::vector<Tensor> whole;
-  for (size_t i = 0; i < strips[0].size(); ++i) {
-    std::vector<Tensor> parts;
-    for (std::vector<Tensor>& strip : strips) parts.push_back(std::move(strip[i]));
-    whole.push_back(parts.size() == 1 ? parts[0] : at::cat(parts, parts[0].dim() - 2));
+/// Of the finest level; names as in Levels.
+struct FinestRows {
+  Tensor logits, picture, received, factors;
+  friend std::vector<Tensor*> tensors_of(FinestRows& r) {
+    return {&r.logits, &r.picture, &r.received, &r.factors};
   }
-  return {{whole[1], whole[2], whole[3], whole.size() > 5 ? whole[5] : Tensor(), whole[4]}, whole[0]};
-}
+};
 
 }  // namespace
 
@@ -54,9 +42,8 @@ Tensor OptimizedNetwork::denoise(const InputSource& input) {
   const int64_t row_bytes = levels.logits.size(0) * count * 32 * radiance_channels() / 3 * width *
                             int64_t(levels.logits.element_size());
   const int64_t step = (strip_rows(height, row_bytes) + multiple - 1) / multiple * multiple;
-  return in_strips(height, step, [&](int64_t begin, int64_t end) {
-    return std::vector<Tensor>{blend_rows(levels, begin, end, width)};
-  })[0];
+  return in_strips(height, step,
+                   [&](int64_t begin, int64_t end) { return blend_rows(levels, begin, end, width); });
 }
 
 OptimizedNetwork::Levels OptimizedNetwork::filter_levels(const InputSource& input) const {
@@ -69,34 +56,31 @@ OptimizedNetwork::Levels OptimizedNetwork::filter_levels(const InputSource& inpu
   const int64_t multiple = int64_t(1) << (count - 1);  // whole pixels of the coarsest level
   const int64_t step = (second_half_rows(size, layers_row_bytes(size)) + multiple - 1) / multiple * multiple;
 
-  std::vector<std::vector<std::vector<Tensor>>> coarser(
-      static_cast<size_t>(count));  // [level][strip][tensor]
-  const std::vector<Tensor> finest = in_reaching_strips(
+  std::vector<std::vector<PyramidLevel>> coarser(static_cast<size_t>(count));  // [level][strip]
+  const FinestRows finest = in_reaching_strips(
       size.height, step, filter_reach(),
-      [&](int64_t begin, int64_t end) {
-        return make_layers(input, embeddings, context, begin, end).tensors();
-      },
-      [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        const Layers layers = layers_of(made);
-        const Layers here = layers_of_rows(layers, begin - first, end - first);
+      [&](int64_t begin, int64_t end) { return make_layers(input, embeddings, context, begin, end); },
+      [&](const Layers& layers, int64_t first, int64_t begin, int64_t end) {
+        const Layers here = rows_of(layers, begin - first, end - first);
         const std::vector<PyramidLevel> pyramid = layer_pyramid(here.partition, count);
-        for (size_t i = 1; i < pyramid.size(); ++i) coarser[i].push_back(tensors_of(pyramid[i]));
+        for (size_t i = 1; i < pyramid.size(); ++i) coarser[i].push_back(pyramid[i]);
         const Tensor picture = filter_and_composite(kernel_generators_[0]->kernels(), layers.partition,
                                                     layers.context, compositing(), first);  // G_0
         const Tensor pixels = layer_pyramid(layers.partition, 1)[0].pixels;
-        const Tensor logits = fully_connected(here.partition.embedding.narrow(1, 0, 1), here.context,
-                                              kernel_generators_[0]->further(), /*activate_last=*/false)
-                                  .squeeze(1);
-        std::vector<Tensor> results = {rows(picture, begin - first, end - first),
-                                       rows(received(pixels), begin - first, end - first), logits};
+        FinestRows made;
+        made.logits = fully_connected(here.partition.embedding.narrow(1, 0, 1), here.context,
+                                      kernel_generators_[0]->further(), /*activate_last=*/false)
+                          .squeeze(1);
+        made.picture = rows(picture, begin - first, end - first);
+        made.received = rows(received(pixels), begin - first, end - first);
         if (modulation_)
-          results.push_back(
-              rows(modulation_->factors(layers.modulators, layers.context), begin - first, end - first));
-        return results;
+          made.factors =
+              rows(modulation_->factors(layers.modulators, layers.context), begin - first, end - first);
+        return made;
       });
-  Levels levels{finest[2], {finest[0]}, {finest[1]}, modulation_ ? finest[3] : Tensor()};
+  Levels levels{finest.logits, {finest.picture}, {finest.received}, finest.factors};
   for (int64_t i = 1; i < count; ++i) {
-    const PyramidLevel level = level_of(coarser[size_t(i)]);
+    const PyramidLevel level = stacked_rows(std::move(coarser[size_t(i)]));
     levels.pictures.push_back(filter_and_composite(kernel_generators_[size_t(i)]->kernels(), level.layers,
                                                    context.coarse.features[size_t(i)],
                                                    compositing()));  // G_i
@@ -117,7 +101,7 @@ Tensor OptimizedNetwork::blend_rows(const Levels& levels, int64_t begin, int64_t
     log_coverage.push_back(coverage.log());
   }
   const Tensor known = at::cat(log_coverage, 1);  // -inf for a level without anything to say
-  const Tensor nothing = known.eq(-std::numeric_limits<double>::infinity()).all(1, /*keepdim=*/true);
+  const Tensor nothing = known.eq(-kInfinity).all(1, /*keepdim=*/true);
   const Tensor logits = rows(levels.logits, begin, end) + known.masked_fill(nothing, 0);
   const Tensor lambda = at::softmax(logits, 1).unsqueeze(2);                       // [B, levels, 1, H, W]
   const Tensor picture = weighted_sum(lambda, at::stack(pictures, 1)).squeeze(1);  // eq. 10
@@ -165,6 +149,10 @@ int64_t OptimizedNetwork::memory_bytes(int64_t, int64_t height, int64_t width) c
   const int64_t floats = 2 * (3 + 1 + config().levels + 3 * further) + 2 * floats_of_layers / 3 + 1;
   return memory_of(size, config().levels, layers_row_bytes(size),
                    floats * height * width * int64_t(sizeof(float)));
+}
+
+std::shared_ptr<Network> make_optimized_network(const NetworkConfig& config) {
+  return std::make_shared<OptimizedNetwork>(config);
 }
 
 }  // namespace ld

@@ -1,7 +1,7 @@
 #include "models/networks/sample_splat_network.h"
 
-#include <limits>
-
+#include "models/networks/registry.h"
+#include "ops/expect_tensor.h"
 #include "ops/generated_filter.h"
 
 namespace ld {
@@ -46,7 +46,7 @@ namespace {
 
 /// 0, or -inf for a sample that is not valid, [B, S, H, W].
 Tensor log_weights(const Tensor& valid) {
-  return at::zeros_like(valid).masked_fill(valid.eq(0), -std::numeric_limits<double>::infinity()).squeeze(2);
+  return at::zeros_like(valid).masked_fill(valid.eq(0), -kInfinity).squeeze(2);
 }
 
 }  // namespace
@@ -72,19 +72,19 @@ Tensor SampleSplatNetwork::denoise(const InputSource& given) {
   return in_reaching_strips(
       size.height, second_half_rows(size, row_bytes(size, sizes.samples)), filter_reach(),
       [&](int64_t begin, int64_t end) {
-        return std::vector<Tensor>{context_rows(context, begin, end)};  // C_xy
+        return context_rows(context, begin, end);  // C_xy
       },
-      [&](const std::vector<Tensor>& made, int64_t first, int64_t begin, int64_t end) {
-        const int64_t last = first + made[0].size(2);
+      [&](const Tensor& made, int64_t first, int64_t begin, int64_t end) {
+        const int64_t last = first + made.size(2);
         NetworkInput strip = input.rows(first, last);
         const Tensor embedding = embeddings.of_rows(strip, first, last);
         strip.features = Tensor();
-        const Tensor log_n = weighed(log_weights(strip.valid), embedding, made[0]);
-        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made[0], log_n,
+        const Tensor log_n = weighed(log_weights(strip.valid), embedding, made);
+        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made, log_n,
                                                       strip.radiance, first);
-        const Tensor picture = modulated(filtered, modulators_of(strip), made[0]);
-        return std::vector<Tensor>{rows(picture, begin - first, end - first)};
-      })[0];
+        const Tensor picture = modulated(filtered, modulators_of(strip), made);
+        return rows(picture, begin - first, end - first);
+      });
 }
 
 int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) const {
@@ -96,6 +96,10 @@ int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) 
 int64_t SampleSplatNetwork::memory_bytes(int64_t samples, int64_t height, int64_t width) const {
   const PictureSize size = {1, height, width};
   return memory_of(size, 1, row_bytes(size, samples), 3 * height * width * int64_t(sizeof(float)));
+}
+
+std::shared_ptr<Network> make_sample_splat_network(const NetworkConfig& config) {
+  return std::make_shared<SampleSplatNetwork>(config);
 }
 
 }  // namespace ld

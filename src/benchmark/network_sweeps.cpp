@@ -113,14 +113,12 @@ std::vector<NetworkStages> time_by_stage(const BenchSizes& sizes, int repeats) {
 
 nlohmann::ordered_json measure_network(const std::string& file, const BenchSizes& sizes, int repeats) {
   const NetworkConfig config = read_network_config(file);
-  int64_t parameters = 0;
-  for (const Tensor& parameter : make_network(config)->parameters()) parameters += parameter.numel();
   const Workload inference = inference_workload(config, sizes.spp, sizes.inference),
                  training = training_workload(config, sizes.spp, sizes.training);
   const double inference_ms = median_ms(inference.run, repeats),
                training_ms = median_ms(training.run, repeats);
   return {{"config", file},
-          {"parameters", parameters},
+          {"parameters", parameter_count(*make_network_shapes(config))},
           {"multiply_adds_per_pixel", inference.multiply_adds / double(sizes.inference * sizes.inference)},
           {"inference_ms", inference_ms},
           {"inference_peak_mb", peak_memory_mb(inference.run)},

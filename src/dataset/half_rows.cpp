@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "frame/half_range.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "dataset/half_rows.cpp"
 #include <hwy/foreach_target.h>
@@ -16,7 +18,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::ScalableTag<float>;
 using Halves = hn::Rebind<hwy::float16_t, Floats>;
-constexpr float kLargest = 65504;  // of half
 using Bits = hn::Rebind<uint16_t, Floats>;
 
 void widen(const uint16_t* half_bits, float* values, size_t count) {
@@ -38,13 +39,13 @@ void narrow(const float* values, uint16_t* half_bits, size_t count) {
 #if HWY_TARGET <= HWY_AVX2  // without the instruction, Highway truncates
   const Floats floats;
   const size_t lanes = hn::Lanes(floats);
-  const auto low = hn::Set(floats, -kLargest), high = hn::Set(floats, kLargest);
+  const auto low = hn::Set(floats, -kHalfMax), high = hn::Set(floats, kHalfMax);
   for (; i + lanes <= count; i += lanes) {
     const auto bounded = hn::Min(hn::Max(hn::LoadU(floats, values + i), low), high);
     hn::StoreU(hn::BitCast(Bits(), hn::DemoteTo(Halves(), bounded)), Bits(), half_bits + i);
   }
 #endif
-  for (; i < count; ++i) half_bits[i] = Imath::half(std::clamp(values[i], -kLargest, kLargest)).bits();
+  for (; i < count; ++i) half_bits[i] = Imath::half(std::clamp(values[i], -kHalfMax, kHalfMax)).bits();
 }
 
 }  // namespace HWY_NAMESPACE

@@ -7,6 +7,7 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "dataset/half_rows.h"
+#include "metrics/smape.h"
 
 namespace ld {
 namespace {
@@ -49,7 +50,7 @@ void cut_tile(const Value* plane, int width, int height, int x0, int y0, Value* 
 /// Radiance is in the first three of the packed channels.
 float smape_of_tile(const float* radiance, const uint8_t* valid, int spp, size_t sample_pitch,
                     const float* reference) {
-  constexpr float kEpsilon = 0.01F;
+  constexpr auto kEpsilon = static_cast<float>(kSmapeEpsilon);
   double sum = 0;
   int count = 0;
   for (size_t p = 0; p < kTilePixels; ++p) {

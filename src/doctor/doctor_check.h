@@ -14,6 +14,10 @@
 
 namespace ld {
 
+/// Pixels darker than this part of their frame's mean brightness count as this part of it: half floats of
+/// almost black say little, and no test should depend on them.
+constexpr double kDarkShare = 1e-2;
+
 class Check {
  public:
   virtual ~Check() = default;

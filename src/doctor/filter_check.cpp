@@ -12,7 +12,6 @@ namespace {
 // A tent over 3 x 3 pixels gives 0.67, a Gaussian cut at 1.5 pixels more; independent samples 0 +- 0.001.
 constexpr double kCorrelated = 0.05;
 constexpr double kSignificant = 8;  // standard errors
-constexpr double kFloor = 1e-2;     // of the frame's mean brightness
 
 struct Neighbours {
   double pairs = 0, product = 0, product_squares = 0, own = 0, next = 0;
@@ -25,7 +24,7 @@ std::vector<float> residuals(const Evidence& evidence) {
   const size_t pixels = frame.plane_size();
   double floor = 0;
   for (const float value : evidence.mean_brightness) floor += static_cast<double>(value);
-  floor *= kFloor / static_cast<double>(pixels);
+  floor *= kDarkShare / static_cast<double>(pixels);
   std::vector<float> result(evidence.brightness.size());
   for (size_t p = 0; p < pixels; ++p) {
     const double scale = static_cast<double>(evidence.mean_brightness[p]) + floor + 1e-30;

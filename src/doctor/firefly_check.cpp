@@ -13,8 +13,6 @@ namespace {
 // around it. A path that is 100 times too bright is found one time in a hundred at most (Markov), so a few
 // are what a path tracer makes of glass and small lights; they spoil a data set when they carry its energy.
 constexpr double kBrighter = 100;
-// Pixels darker than this part of the frame's mean have no fireflies: half floats of almost black.
-constexpr double kFloor = 1e-2;
 // Share of all radiance in fireflies, and of samples: more than this and training sees little else. The
 // references of the project's own data sets, which have caustics, stay a factor of ten below.
 constexpr double kMuchEnergy = 0.1;
@@ -70,7 +68,7 @@ Fireflies measure(const Evidence& evidence) {
   const Frame& frame = evidence.frame;
   const bool referenced = evidence.reference.has_value();
   const std::vector<float> truth = referenced ? evidence.reference_brightness : local_median(evidence);
-  const double floor = kFloor * mean_of(referenced ? truth : evidence.mean_brightness);
+  const double floor = kDarkShare * mean_of(referenced ? truth : evidence.mean_brightness);
   Fireflies found;
   std::vector<float> buffer;
   for (int y = 0; y < frame.height; ++y)

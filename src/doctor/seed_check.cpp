@@ -24,7 +24,6 @@ namespace {
 constexpr size_t kTestedSamples = 64;
 // Noise below this part of the brightness is the rounding of half floats.
 constexpr double kRounding = 2e-3;
-constexpr double kFloor = 1e-2;  // of the frame's mean brightness: darker pixels have no more weight
 constexpr double kLeastPixels = 1000;
 // Evenly spread samples have better means than their variance says: 12 random scenes with `sampling:
 // low_discrepancy` at 8 samples come to 0.95 together. What no such sampler reaches is blamed on the
@@ -85,7 +84,7 @@ void compare_with_reference(const Evidence& evidence, Seeds& found) {
   double mean_reference = 0;
   for (const float value : reference) mean_reference += static_cast<double>(value);
   mean_reference /= static_cast<double>(reference.size());
-  const double floor = kFloor * mean_reference;
+  const double floor = kDarkShare * mean_reference;
   if (!(floor > 0)) return;
   found.samples.resize(static_cast<size_t>(found.tested));
   std::vector<double> bounded(static_cast<size_t>(found.tested));

@@ -1,10 +1,9 @@
 #include "export/onnx_filters.h"
 
+#include "ops/kernels/constants.h"
+
 namespace ld {
 namespace {
-
-// Values are summed as 2^-20 of themselves, so that no sum overflows (ops/finite_sources.cpp).
-constexpr float kScale = 1.0F / (1 << 20);
 
 /// Moves row i of a [..., rows, length] tensor to the right by i * step. Rows that are `step` too long, read
 /// as rows of the right length, are just that; what a row loses at its end must be margin.
@@ -73,7 +72,8 @@ Value merge_rows(OnnxGraph& g, const Value& largest, const Value& sums, int64_t 
   const Value all = g.reduce_sum(g.mul(g.exp(g.sub(largest, top)), sums), over, false);
   const int64_t axis = joint ? 1 : 2;
   const Value weight = g.slice(all, axis, 0, 1), sum = g.slice(all, axis, 1, 1 + channels);
-  return g.mul(g.div(sum, g.where(g.is_zero(weight), g.number(1), weight)), g.number(1 / kScale));
+  return g.mul(g.div(sum, g.where(g.is_zero(weight), g.number(1), weight)),
+               g.number(1 / float(kOverflowScale)));
 }
 
 Value bounded(OnnxGraph& g, const Value& logits) {
@@ -97,8 +97,8 @@ Value onnx_splat(OnnxGraph& g, const Value& logits, const Value& log_n, const Va
 
   // The values moved like the taps of a kernel row, [B * N, K, C, H, W + K - 1].
   const Value planes = g.mul(g.whole({channels}), height);
-  const Value each =
-      g.expand(g.reshape(g.mul(values, g.number(kScale)), {-1, 1, planes, width}), {1, kernel, 1, 1});
+  const Value each = g.expand(
+      g.reshape(g.mul(values, g.number(float(kOverflowScale))), {-1, 1, planes, width}), {1, kernel, 1, 1});
   const Value moved = g.reshape(shift_in_x(g, each, kernel, planes, width, 0),
                                 {-1, kernel, channels, height, g.add(width, g.whole({kernel - 1}))});
 
@@ -119,9 +119,9 @@ Value onnx_gather(OnnxGraph& g, const Value& logits, const Value& log_n, const V
                   int64_t channels) {
   const Value height = g.size_of(logits, 3), width = g.size_of(logits, 4);
   const std::vector<Dim> margin = {0, 0, kernel / 2, kernel / 2};
-  const Value sources = g.concat(
-      {g.pad(log_n, margin, margin, -kInfinity), g.pad(g.mul(values, g.number(kScale)), margin, margin, 0)},
-      1);
+  const Value sources = g.concat({g.pad(log_n, margin, margin, -kInfinity),
+                                  g.pad(g.mul(values, g.number(float(kOverflowScale))), margin, margin, 0)},
+                                 1);
   std::vector<Value> columns;  // what tap j of a kernel row reads, [B, 1, 1 + C, H + K - 1, W]
   for (int64_t j = 0; j < kernel; ++j)
     columns.push_back(g.unsqueeze(g.slice(sources, 3, j, g.add(width, g.whole({j}))), 1));

@@ -4,12 +4,13 @@
 #include <limits>
 
 #include "export/onnx_graph.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// What logits are bounded by (ops/composition.cpp): sums of a few of them stay finite.
-constexpr float kLargestLogit = std::numeric_limits<float>::max() / 4;
+/// What logits are bounded by.
+constexpr float kLargestLogit = -kLowestLogit;
 
 /// logits [B, N, K*K, H, W], log_n [B, N, 1, H, W], values [B, N, channels, H, W] -> [B, N, channels, H, W],
 /// or [B, channels, H, W] with one mean over all N where `joint`. The maths of composed::kernel_splat

@@ -5,17 +5,17 @@
 
 #include "export/onnx_filters.h"
 #include "frame/schema.h"
-#include "models/demodulation_range.h"
+#include "models/network_numbers.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 namespace {
 
 constexpr float kLargest = std::numeric_limits<float>::max();
-constexpr float kLargestFeature = 65504;  // models/network_input.cpp
 
 /// Leaky ReLU as everywhere in [MH20].
 Value activated(OnnxGraph& g, const Value& x) {
-  return g.op("LeakyRelu", {x}, {{"alpha", 0.01F}});
+  return g.op("LeakyRelu", {x}, {{"alpha", float(kLeakySlope)}});
 }
 
 /// c x / (c + |x|) (ops/fully_connected.h).
@@ -103,8 +103,7 @@ OnnxSamples onnx_sanitise(OnnxGraph& g, const Value& features, const Value& radi
   const Value bad = g.op("Not", {g.is_zero(g.add(faults(features), faults(radiance)))});
   const Value zero = g.number(0);
   OnnxSamples samples;
-  samples.features =
-      g.op("Clip", {g.where(bad, zero, features), g.number(-kLargestFeature), g.number(kLargestFeature)});
+  samples.features = g.op("Clip", {g.where(bad, zero, features), g.number(-kHalfMax), g.number(kHalfMax)});
   samples.radiance = g.max(g.where(bad, zero, radiance), zero);
   samples.valid = g.where(bad, zero, g.to_float(g.op("Not", {g.is_zero(valid)})));
   samples.drawn = g.reduce_max(samples.valid, {1});
@@ -123,9 +122,9 @@ Value onnx_exposed(OnnxGraph& g, const OnnxSamples& samples, int64_t channel, in
               logs = g.reduce_sum(g.log(g.where(lit, luminance, one)), {1, 2, 3});
   const Value average = g.exp(g.div(logs, g.max(pixels, one)));
   const Value exposure =
-      g.where(g.is_zero(pixels), one, g.op("Min", {g.div(g.number(0.18F), average), g.number(kLargest)}));
-  const Value exposed =
-      g.op("Min", {g.mul(samples.radiance, g.unsqueeze(exposure, 1)), g.number(kLargestFeature)});
+      g.where(g.is_zero(pixels), one,
+              g.op("Min", {g.div(g.number(float(kMiddleGrey)), average), g.number(kLargest)}));
+  const Value exposed = g.op("Min", {g.mul(samples.radiance, g.unsqueeze(exposure, 1)), g.number(kHalfMax)});
   return with_radiance_seen(g, samples, exposed, channel, channels);
 }
 
@@ -136,8 +135,8 @@ OnnxSamples onnx_pixel_mean(OnnxGraph& g, const OnnxSamples& samples, int64_t ch
   mean.radiance = g.unsqueeze(onnx_masked_mean(g, samples.radiance, samples.valid), 1);
   mean.valid = samples.drawn;
   if (channel >= 0)
-    mean.features = with_radiance_seen(g, mean, g.op("Min", {mean.radiance, g.number(kLargestFeature)}),
-                                       channel, channels);
+    mean.features =
+        with_radiance_seen(g, mean, g.op("Min", {mean.radiance, g.number(kHalfMax)}), channel, channels);
   return mean;
 }
 

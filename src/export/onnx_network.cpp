@@ -5,7 +5,7 @@
 #include "export/onnx_modules.h"
 #include "frame/schema.h"
 #include "models/check_network.h"
-#include "models/rejection_range.h"
+#include "models/network_numbers.h"
 
 namespace ld {
 namespace {
@@ -182,15 +182,17 @@ Filtered sample_splat(OnnxGraph& g, const NetworkConfig& config, const OnnxSampl
 
 Filtered filtered(OnnxGraph& g, const NetworkConfig& config, const OnnxSamples& samples) {
   const NetworkTraits& network = network_traits(config.name);
+  if (network.filter == Filter::own)
+    fail("network '{}' has no ONNX form; export it as safetensors", config.name);
   switch (network.sources) {
     case Sources::layers:
       return network.has_levels ? optimized(g, config, samples) : layer(g, config, samples);
     case Sources::samples:
       return sample_splat(g, config, samples);
     case Sources::pixels:
-      return pixel(g, config, samples, !network.splats);
+      return pixel(g, config, samples, network.filter == Filter::gather);
   }
-  fail("network '{}' has no ONNX form; export it as safetensors", config.name);
+  fail("ONNX: network '{}' has sources of an unknown kind", config.name);
 }
 
 }  // namespace

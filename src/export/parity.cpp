@@ -102,7 +102,7 @@ std::vector<Tensor> outputs(Network& network, const std::vector<NetworkInput>& i
 double largest_relative_difference(const std::vector<Tensor>& found, const std::vector<Tensor>& expected) {
   double largest = 0;
   for (size_t i = 0; i < expected.size(); ++i) {
-    const Tensor difference = (found[i] - expected[i]).abs() / (expected[i].abs() + 0.01);
+    const Tensor difference = (found[i] - expected[i]).abs() / (expected[i].abs() + kParityEpsilon);
     if (!difference.isfinite().all().item<bool>()) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, difference.max().item<double>());
   }
@@ -115,11 +115,12 @@ Metadata export_metadata(const ExportSource& source, DType type, const Parity& w
     return nlohmann::ordered_json(
         {{"largest_relative_difference", parity.largest_relative_difference}, {"allowed", parity.tolerance}});
   };
-  nlohmann::ordered_json json = {{"program", "ld_export " LD_VERSION},
-                                 {"dtype", type == DType::f16 ? "f16" : "f32"},
-                                 {"difference", "|a - b| / (|b| + 0.01), the largest over all pixels"},
-                                 {"pictures", pictures},
-                                 {"rounded_weights", measured(weights)}};
+  nlohmann::ordered_json json = {
+      {"program", "ld_export " LD_VERSION},
+      {"dtype", type == DType::f16 ? "f16" : "f32"},
+      {"difference", fmt::format("|a - b| / (|b| + {}), the largest over all pixels", kParityEpsilon)},
+      {"pictures", pictures},
+      {"rounded_weights", measured(weights)}};
   if (onnx != nullptr) json["onnx"] = measured(*onnx);
   Metadata metadata = make_weights_metadata(source.network->config(), source.provenance);
   metadata["export"] = json.dump();

@@ -35,8 +35,11 @@ std::shared_ptr<Network> rounded(const Network& network, DType type);
 /// The outputs for all inputs, without a graph.
 std::vector<torch::Tensor> outputs(Network& network, const std::vector<NetworkInput>& inputs);
 
-/// The largest |found - expected| / (|expected| + 0.01) over pictures, pixels and channels; infinity where
-/// something is not finite.
+/// Differences to values much smaller than this are measured as differences, those to larger ones in parts.
+constexpr double kParityEpsilon = 0.01;
+
+/// The largest |found - expected| / (|expected| + kParityEpsilon) over pictures, pixels and channels;
+/// infinity where something is not finite.
 double largest_relative_difference(const std::vector<torch::Tensor>& found,
                                    const std::vector<torch::Tensor>& expected);
 

@@ -8,6 +8,7 @@
 
 namespace ld {
 
+/// The largest finite half float: what files hold, and what features are bounded by.
 constexpr float kHalfMax = 65504.0F;
 
 /// Scales each colour of three planes of which a channel exceeds kHalfMax so that its largest is that:

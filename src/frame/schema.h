@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "frame/half_range.h"
+
 namespace ld {
 
 /// Version of this table; stored in frames, data sets and weights.
@@ -43,7 +45,7 @@ constexpr int kNormalOffset = 3;
 constexpr int kDepthOffset = 6;
 constexpr int kFlowOffset = 20;
 /// Depth of a ray that escaped: half's largest finite number.
-constexpr float kEscapedDepth = 65504.0F;
+constexpr float kEscapedDepth = kHalfMax;
 
 /// All features in the order of their offsets: radiance, normal, depth, albedo, specular, roughness, motion,
 /// coc, lens, time, which are the 20 channels of [MH20]; then flow, which sequences have.

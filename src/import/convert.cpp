@@ -139,7 +139,7 @@ std::vector<std::vector<float>> Converter::convert(const FeatureMapping& mapping
   if (mapping.feature == "motion" || mapping.feature == "flow") movement(mapping, channels);
   if (mapping.kind == "alpha")
     for (float& value : channels[0]) value = std::sqrt(std::max(value, 0.0F));  // GGX alpha = roughness^2
-  if (mapping.maximum < 65504)
+  if (mapping.maximum < kHalfMax)
     for (std::vector<float>& plane : channels)
       for (float& value : plane) {
         const auto maximum = static_cast<float>(mapping.maximum);

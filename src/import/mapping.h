@@ -7,27 +7,28 @@
 #include <vector>
 
 #include "core/config_visitor.h"
+#include "frame/schema.h"
 
 namespace ld {
 
 /// One feature. Its value is scale * channel + offset, component by component, then what `space`, `kind` and
 /// `unit` say.
 struct FeatureMapping {
-  std::string feature;                // of the schema, or "alpha"
-  std::vector<std::string> channels;  // a pattern for each component; empty: not there
-  std::string part;                   // pattern of the part's name; empty: `part` of the mapping
-  std::vector<double> scale = {1};    // one number for all components or one each
-  std::vector<double> offset = {0};   // likewise; value = scale * channel + offset
-  bool per_sample = true;             // false: one plane for all samples, found in the first file
-  std::string space = "view";         // that normals stand in
-  bool face_camera = false;           // true: normals that look away are turned round
-  std::string kind;                   // what the channels hold; empty: planar, or roughness
-  bool inverse = false;               // true: the channel holds 1 / depth
-  double near = 0;                    // distances begin at this depth
-  double escaped_above = 65504;       // channel values from here on are rays that escaped
-  std::vector<double> escaped_at;     // channel values that are rays that escaped, too
-  double maximum = 65504;             // colours above it are set to it
-  std::string unit = "pixels";        // of the vectors
+  std::string feature;                   // of the schema, or "alpha"
+  std::vector<std::string> channels;     // a pattern for each component; empty: not there
+  std::string part;                      // pattern of the part's name; empty: `part` of the mapping
+  std::vector<double> scale = {1};       // one number for all components or one each
+  std::vector<double> offset = {0};      // likewise; value = scale * channel + offset
+  bool per_sample = true;                // false: one plane for all samples, found in the first file
+  std::string space = "view";            // that normals stand in
+  bool face_camera = false;              // true: normals that look away are turned round
+  std::string kind;                      // what the channels hold; empty: planar, or roughness
+  bool inverse = false;                  // true: the channel holds 1 / depth
+  double near = 0;                       // distances begin at this depth
+  double escaped_above = kEscapedDepth;  // channel values from here on are rays that escaped
+  std::vector<double> escaped_at;        // channel values that are rays that escaped, too
+  double maximum = kHalfMax;             // colours above it are set to it
+  std::string unit = "pixels";           // of the vectors
 
   template <class Visitor>
   void visit(Visitor& v) {

@@ -13,9 +13,8 @@
 namespace ld {
 namespace {
 
-constexpr int64_t kLargestStrip = int64_t(256) << 20;  // more makes nothing faster
-constexpr int64_t kSmallestStrip = int64_t(1) << 20;   // strips cannot get smaller than a few rows anyway
-constexpr int64_t kThreads = int64_t(48) << 20;        // stacks, OpenBLAS, oneDNN, the operators' scratch
+constexpr int64_t kSmallestStrip = int64_t(1) << 20;  // strips cannot get smaller than a few rows anyway
+constexpr int64_t kThreads = int64_t(48) << 20;       // stacks, OpenBLAS, oneDNN, the operators' scratch
 
 int64_t resident_bytes() {
   std::ifstream statm("/proc/self/statm");
@@ -42,7 +41,7 @@ int64_t needed(const Network& network, int64_t base, int64_t strip, int width, i
 /// The largest strips that the budget allows.
 int64_t strip_for(const Network& network, int64_t budget, const Frame& frame) {
   const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0);
-  int64_t strip = kLargestStrip;
+  int64_t strip = kStripBytes;
   while (needed(network, base, strip, frame.width, frame.height, frame.spp) > budget) {
     if (strip <= kSmallestStrip)
       fail_usage(
@@ -114,14 +113,14 @@ std::vector<LayerPicture> Denoiser::layers(const Frame& frame, const DenoiseOpti
   LayerNetwork& network = layer_network(*network_);
   const FrameInput input(frame, network_config().features);
   const Run run(*network_, frame, options);
-  const torch::Tensor planes = network.layers(input).squeeze(0);  // [N, 8, H, W]
+  const LayerPictures pictures = network.layers(input);
   std::vector<LayerPicture> layers;
-  for (int64_t l = 0; l < planes.size(0); ++l) {
-    const torch::Tensor layer = planes[l], radiance = layer.narrow(0, 0, 3), alpha = layer.narrow(0, 3, 1),
-                        weight = layer.narrow(0, 4, 1);
+  for (int64_t l = 0; l < pictures.radiance.size(1); ++l) {
+    const torch::Tensor radiance = pictures.radiance[0][l], alpha = pictures.opacity[0][l],
+                        weight = pictures.weight[0][l];
     const torch::Tensor contribution = weight * radiance / alpha.masked_fill(alpha.eq(0), 1);
-    layers.push_back({to_image(layer.narrow(0, 5, 3)), to_image(radiance), to_image(alpha), to_image(weight),
-                      to_image(contribution)});
+    layers.push_back({to_image(pictures.unfiltered_radiance[0][l]), to_image(radiance), to_image(alpha),
+                      to_image(weight), to_image(contribution)});
   }
   return layers;
 }

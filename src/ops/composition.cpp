@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "ops/expect_tensor.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 namespace {
@@ -15,8 +16,7 @@ thread_local Taps taps_taken = Taps::at_once;
 
 /// The lowest value that logits count as: differences and sums of a few of them stay finite.
 double lowest_logit(torch::ScalarType type) {
-  return type == torch::kFloat32 ? std::numeric_limits<float>::lowest() / 4
-                                 : std::numeric_limits<double>::lowest() / 4;
+  return type == torch::kFloat32 ? double(kLowestLogit) : std::numeric_limits<double>::lowest() / 4;
 }
 
 /// Logits within their range, NaN as the lowest.
@@ -98,7 +98,7 @@ Tensor fully_connected(const Tensor& x, const Tensor& shared, const FullyConnect
   a = a.flatten(0, 1);
   for (size_t i = 0; i < network.weights.size(); ++i) {
     a = at::conv2d(a, network.weights[i].unsqueeze(2).unsqueeze(3), network.biases[i]);
-    if (i + 1 < network.weights.size() || activate_last) a = at::leaky_relu(a, 0.01);
+    if (i + 1 < network.weights.size() || activate_last) a = at::leaky_relu(a, kLeakySlope);
   }
   if (network.bound > 0) a = at::sign(a) * (network.bound - network.bound / (1 + a.abs() / network.bound));
   return a.unflatten(0, {batch, samples});

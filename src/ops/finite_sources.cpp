@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "ops/expect_tensor.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 
@@ -17,7 +18,6 @@ constexpr double kLargestValue = 1e32;
 // A gradient times a value must stay below what the sum over the channels and taps of a kernel can hold.
 constexpr double kLargestProduct = 1e33;
 constexpr double kHarmlessValue = 1e6;  // beyond half's range by far; gradients have 27 orders left
-constexpr double kScale = 1.0 / (1 << 20);
 
 }  // namespace
 
@@ -34,8 +34,8 @@ FiniteSources finite_sources(const Tensor& log_n, const Tensor& values) {
     largest = sources.values.detach().abs().max().item<double>();
   }
   if (largest > kLargestValue && values.scalar_type() == torch::kFloat32) {
-    sources.scale = kScale;
-    sources.values = sources.values * kScale;
+    sources.scale = kOverflowScale;
+    sources.values = sources.values * kOverflowScale;
   }
   return sources;
 }

@@ -24,12 +24,6 @@ constexpr double kBytesPerMegabyte = 1e6;
 /// Pauses before the last checkpoint is tried again, seconds.
 constexpr double kPauses[] = {0.25, 1, 2};
 
-int64_t parameter_count(const Network& network) {
-  int64_t count = 0;
-  for (const torch::Tensor& parameter : network.parameters()) count += parameter.numel();
-  return count;
-}
-
 }  // namespace
 
 /// On rank 0, once nothing in the configuration is wrong.

@@ -6,8 +6,6 @@
 #include <set>
 
 #include "core/error.h"
-#include "frame/schema.h"
-#include "models/unet.h"
 #include "weights/checkpoint_files.h"
 #include "weights/weight_file.h"
 
@@ -36,80 +34,22 @@ DType file_type(const torch::Tensor& tensor) {
   fail("a tensor of type {} cannot be written to safetensors", c10::toString(tensor.scalar_type()));
 }
 
-/// Parameters of fully connected layers of these widths, or of convolutions of so many taps.
-int64_t chain_count(const std::vector<int64_t>& widths, int64_t taps = 1) {
-  int64_t count = 0;
-  for (size_t i = 0; i + 1 < widths.size(); ++i) count += widths[i + 1] * (widths[i] * taps + 1);
-  return count;
-}
-
-std::vector<int64_t> chain(int64_t inputs, std::vector<int64_t> widths) {
-  widths.insert(widths.begin(), inputs);
-  return widths;
-}
-
-int64_t unet_count(const UNetConfig& config, int64_t inputs) {
-  constexpr int64_t kTaps = 9;
-  std::vector<int64_t> skips;
-  int64_t channels = inputs, count = 0;
-  const auto add = [&](const std::vector<int64_t>& widths, int64_t skip) {
-    count += chain_count(chain(channels + skip, widths), kTaps);
-    channels = widths.back();
-  };
-  for (const auto& widths : config.encoder) {
-    skips.push_back(channels);
-    add(widths, 0);
-  }
-  add(config.bottleneck, 0);
-  for (const auto& widths : config.decoder) {
-    add(widths, skips.back());
-    skips.pop_back();
-  }
-  add({config.context}, 0);
-  return count;
-}
-
 /// Before make_network() takes memory for what a damaged or foreign header asks for.
 void expect_size(const SafetensorsFile& file, const NetworkConfig& config) {
+  int64_t held = 0, expected = 0;
+  for (const TensorView& tensor : file.tensors())
+    held += static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
   try {
-    check_network(config);
+    expected = parameter_count(*make_network_shapes(config));
   } catch (const UsageError& error) {  // nobody typed this network: the file is wrong
     fail("{}: metadata: network: {}", file.path().string(), error.what());
   }
-  int64_t held = 0;
-  for (const TensorView& tensor : file.tensors())
-    held += static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
-  const int64_t expected = parameter_count(config);
   if (held != expected)
     fail("{}: holds {} numbers, but the network of its metadata ('{}') has {}; the file is damaged",
          file.path().string(), held, config.name, expected);
 }
 
 }  // namespace
-
-int64_t parameter_count(const NetworkConfig& config) {
-  const NetworkTraits& network = network_traits(config.name);
-  const bool pixels = network.sources == Sources::pixels, levels = network.has_levels;
-  const int64_t embedding = config.sample_reducer.back(), taps = config.kernel_size * config.kernel_size;
-  int64_t count =
-      chain_count(chain(int64_t{pixels ? 2 : 1} * channel_count(config.features), config.sample_reducer)) +
-      unet_count(config.unet, embedding);
-  const auto generator = [&](int64_t context, int64_t outputs) {
-    std::vector<int64_t> widths = chain(embedding + context, config.kernel_generator);
-    widths.push_back(outputs);
-    count += chain_count(widths);
-  };
-  for (int64_t i = 0; i < (levels ? config.levels : 1); ++i)
-    generator(UNet::feature_channels(config.unet, i), taps + (levels && i == 0 ? config.levels : 0));
-  if (network.sources == Sources::layers) {
-    std::vector<int64_t> widths = chain(embedding + config.unet.context, config.sample_partitioner);
-    widths.push_back(config.layers);
-    count += chain_count(widths);
-  }
-  if (config.rejection) count += chain_count({embedding + config.unet.context, 1});
-  if (config.demodulation != "none") count += chain_count({1 + config.unet.context, 1});
-  return count;
-}
 
 void write_tensors(const std::filesystem::path& path, const NamedTensors& tensors, const Metadata& metadata) {
   std::vector<torch::Tensor> plain;  // keeps the data alive until it is written

@@ -28,9 +28,6 @@ torch::Tensor read_tensor(const TensorView& view);
 void save_model(const std::filesystem::path& path, const Network& network, const std::string& provenance,
                 DType type, const Metadata& further = {});
 
-/// How many numbers the parameters of a network are, without making it; it has passed check_network().
-int64_t parameter_count(const NetworkConfig& config);
-
 /// The network with its weights as float32. `model` is a weight file, a checkpoint or a run folder. Throws
 /// Error when a parameter is missing, surplus, of another shape or not finite, and before anything large is
 /// made when the file holds less or more than its network has. Weights in a checkpoint must have the checksum

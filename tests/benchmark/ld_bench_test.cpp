@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/json_text.h"
+#include "models/check_network.h"
 #include "tests/benchmark/xml_check.h"
 #include "tests/support/run_program.h"
 
@@ -51,13 +52,12 @@ TEST(LdBench, OpsGivesEveryRow) {
 TEST(LdBench, NetworkGivesEveryRowTableAndFigure) {
   const TemporaryFolder folder;
   const auto json = run_bench(folder, {"network"});
-  const std::set<std::string> expected = {
-      "layer_infer_256",        "layer_train_128",       "optimized_infer_256",   "optimized_train_128",
-      "pixel_gather_infer_256", "pixel_splat_infer_256", "sample_splat_infer_256"};
+  std::set<std::string> expected = {"layer_train_128", "optimized_train_128"};
+  for (const std::string& name : network_names()) expected.insert(name + "_infer_256");
   EXPECT_EQ(check_rows(json.at("rows")), expected);
   EXPECT_EQ(json.at("samples").size(), 2);
   EXPECT_EQ(json.at("stages").size(), 8);
-  EXPECT_EQ(json.at("cost").size(), 10);  // five networks, two sample counts
+  EXPECT_EQ(json.at("cost").size(), 2 * network_names().size());  // at two sample counts
   for (const char* name : {"cost", "stages", "samples"}) {
     EXPECT_EQ(xml_fault(read_file(folder / (std::string(name) + ".svg"))), "") << name;
     EXPECT_NE(read_file(folder / (std::string(name) + ".md")).find("layer"), std::string::npos) << name;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/file_io.h"
 #include "export/onnx_evaluator.h"
 #include "export/onnx_file.h"
@@ -16,11 +18,20 @@ namespace {
 
 using torch::Tensor;
 
-/// Of every registered network: as small_config(), with nearest upsampling, with more layers and larger
+/// every_config() of the networks that have an ONNX form.
+std::vector<NetworkConfig> onnx_configs() {
+  std::vector<NetworkConfig> configs = every_config();
+  configs.erase(std::remove_if(configs.begin(), configs.end(),
+                               [](const NetworkConfig& config) { return !generates_kernels(config); }),
+                configs.end());
+  return configs;
+}
+
+/// Of each of them: as small_config(), with nearest upsampling, with more layers and larger
 /// kernels, with one tap, with exposure normalisation, of means.
 std::vector<NetworkConfig> exported_configs() {
   std::vector<NetworkConfig> configs;
-  for (NetworkConfig config : every_config()) {
+  for (NetworkConfig config : onnx_configs()) {
     configs.push_back(config);
     config.kernel_size = 7;
     config.unet.upsampling = "nearest";
@@ -33,7 +44,7 @@ std::vector<NetworkConfig> exported_configs() {
     config.kernel_generator = {};
     config.exposure_normalisation = false;
     configs.push_back(config);
-    if (config.name != "pixel_gather" && config.name != "pixel_splat") continue;
+    if (!works_on_pixels(config)) continue;
     config.means = true;
     configs.push_back(config);
   }
@@ -76,8 +87,17 @@ TEST_F(OnnxExportTest, EveryNetworkAtEverySizeComputesWhatItDoesInCpp) {
   }
 }
 
-TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
+TEST_F(OnnxExportTest, NetworksWithAFilterOfTheirOwnAreRefused) {
+  EXPECT_GT(onnx_configs().size(), 10U);
   for (const NetworkConfig& config : every_config()) {
+    if (generates_kernels(config)) continue;
+    EXPECT_ERROR(exported(config), "network '" + config.name + "' has no ONNX form");
+    EXPECT_FALSE(exists(path()));
+  }
+}
+
+TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
+  for (const NetworkConfig& config : onnx_configs()) {
     const OnnxEvaluator evaluator(exported(config));
     NetworkInput input = random_input(config, 1, 2, 9, 8, torch::kFloat32, 3);
     const NetworkInput none = {input.features, input.radiance, torch::zeros_like(input.valid)};
@@ -94,7 +114,7 @@ TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
 }
 
 TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : onnx_configs()) {
     const OnnxEvaluator evaluator(exported(config, 30));
     NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 12, 11, torch::kFloat32, 5), config);
     input.valid.fill_(1);

@@ -95,21 +95,11 @@ TEST(ModelCard, HoldsWhatTheFileHolds) {
   EXPECT_ERROR(model_card("x", {}), "'features'");
 }
 
-TEST(ParameterCount, IsThatOfEveryNetwork) {
-  for (NetworkConfig config : every_config())
-    for (const int layers : {0, 1}) {
-      if (layers == 0) config.sample_partitioner = config.kernel_generator = {};
-      int64_t expected = 0;
-      for (const torch::Tensor& parameter : make_network(config)->parameters()) expected += parameter.numel();
-      EXPECT_EQ(parameter_count(config), expected) << title(config);
-    }
-}
-
 TEST(ParameterCount, AHeaderThatAsksForTerabytesIsRefusedFirst) {
   const TemporaryFolder folder;
   NetworkConfig config = small_config();
-  config.unet.encoder.assign(8, std::vector<int64_t>(500, 4096));
-  config.unet.decoder.assign(8, std::vector<int64_t>(500, 4096));
+  config.unet.encoder.assign(8, std::vector<int64_t>(100, 4096));
+  config.unet.decoder.assign(8, std::vector<int64_t>(100, 4096));
   const float value = 1;
   const auto write = [&](const NetworkConfig& network) {
     write_safetensors(folder / "w.safetensors", {{"weight", DType::f32, {1}, &value, 4}},

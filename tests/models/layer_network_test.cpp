@@ -29,19 +29,20 @@ TEST_P(LayerStagesTest, AreWhatTheNetworkComputes) {
   EXPECT_EQ(stages.embedding.sizes(), (std::vector<int64_t>{1, 4, 5, 6, 5}));
   EXPECT_EQ(stages.context.sizes(), (std::vector<int64_t>{1, 3, 6, 5}));
   EXPECT_EQ(stages.partition_logits.sizes(), (std::vector<int64_t>{1, 4, 3, 6, 5}));
-  EXPECT_EQ(stages.unfiltered_radiance.sizes(), (std::vector<int64_t>{1, 3, 3, 6, 5}));
-  EXPECT_EQ(stages.radiance.sizes(), (std::vector<int64_t>{1, 3, 3, 6, 5}));
-  EXPECT_EQ(stages.opacity.sizes(), (std::vector<int64_t>{1, 3, 1, 6, 5}));
-  EXPECT_EQ(stages.weight.sizes(), (std::vector<int64_t>{1, 3, 1, 6, 5}));
+  EXPECT_EQ(stages.pictures.unfiltered_radiance.sizes(), (std::vector<int64_t>{1, 3, 3, 6, 5}));
+  EXPECT_EQ(stages.pictures.radiance.sizes(), (std::vector<int64_t>{1, 3, 3, 6, 5}));
+  EXPECT_EQ(stages.pictures.opacity.sizes(), (std::vector<int64_t>{1, 3, 1, 6, 5}));
+  EXPECT_EQ(stages.pictures.weight.sizes(), (std::vector<int64_t>{1, 3, 1, 6, 5}));
 }
 
 TEST_P(LayerStagesTest, TheLayersMakeTheOutput) {
   const LayerStages stages = network_->stages(input_);
-  expect_near((stages.weight * stages.radiance / stages.opacity).sum(1), stages.output, 1e-5);
-  expect_near(stages.weight.sum(1), torch::ones({1, 1, 6, 5}), 1e-5);
-  EXPECT_GE(stages.weight.min().item<double>(), 0);
-  EXPECT_GE(stages.opacity.min().item<double>(), 0);
-  EXPECT_LE(stages.opacity.max().item<double>(), 1 + 1e-6);
+  expect_near((stages.pictures.weight * stages.pictures.radiance / stages.pictures.opacity).sum(1),
+              stages.output, 1e-5);
+  expect_near(stages.pictures.weight.sum(1), torch::ones({1, 1, 6, 5}), 1e-5);
+  EXPECT_GE(stages.pictures.weight.min().item<double>(), 0);
+  EXPECT_GE(stages.pictures.opacity.min().item<double>(), 0);
+  EXPECT_LE(stages.pictures.opacity.max().item<double>(), 1 + 1e-6);
 }
 
 // Each pixel's mean radiance is what its unfiltered layers make together.
@@ -49,12 +50,12 @@ TEST_P(LayerStagesTest, TheUnfilteredLayersMakeTheNoisyPicture) {
   const LayerStages stages = network_->stages(input_);
   Tensor mean;
   if (config_.compositing == "weighted") {
-    mean = (stages.layers.log_n.exp().unsqueeze(2) * stages.unfiltered_radiance).sum(1);
+    mean = (stages.layers.log_n.exp().unsqueeze(2) * stages.pictures.unfiltered_radiance).sum(1);
   } else {
     Tensor visible = torch::ones({1, 1, 6, 5});
     mean = torch::zeros({1, 3, 6, 5});
     for (int64_t l = 0; l < 3; ++l) {
-      mean = mean + visible * stages.unfiltered_radiance.select(1, l);
+      mean = mean + visible * stages.pictures.unfiltered_radiance.select(1, l);
       visible = visible * (1 - stages.layers.opacity.select(1, l));
     }
   }

@@ -15,7 +15,7 @@ using torch::Tensor;
 std::vector<NetworkConfig> means_configs() {
   std::vector<NetworkConfig> configs;
   for (NetworkConfig config : every_config()) {
-    if (config.name != "pixel_gather" && config.name != "pixel_splat") continue;
+    if (!works_on_pixels(config)) continue;
     config.means = true;
     configs.push_back(config);
     config.exposure_normalisation = true;

@@ -34,7 +34,7 @@ inline std::vector<NetworkConfig> every_config() {
     demodulating.features = {"radiance", "specular", "depth", "albedo"};
     demodulating.demodulation = "albedo";
     demodulating.logit_bound = 4;
-    demodulating.rejection = name != "pixel_gather";  // which knows no such thing
+    demodulating.rejection = network_traits(name).filter == Filter::splat;
     configs.push_back(demodulating);
     config.compositing = "weighted";
     try {
@@ -54,7 +54,15 @@ inline std::string title(const NetworkConfig& config) {
 }
 
 inline bool has_layers(const NetworkConfig& config) {
-  return config.name == "layer" || config.name == "optimized";
+  return network_traits(config.name).sources == Sources::layers;
+}
+
+inline bool works_on_pixels(const NetworkConfig& config) {
+  return network_traits(config.name).sources == Sources::pixels;
+}
+
+inline bool generates_kernels(const NetworkConfig& config) {
+  return network_traits(config.name).filter != Filter::own;
 }
 
 /// Samples of which about a quarter are masked, and a pixel without any.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/support/scalar_modulation.h"
+
 namespace ld::reference {
 namespace {
 
@@ -45,7 +47,12 @@ Grid filter_layers(const Grid& kernels, const Layers& layers, bool weighted) {
 
 struct FirstHalf {
   Grid embedding;
-  std::vector<Grid> context;
+  std::vector<Grid> context;  // of each resolution, full first
+};
+
+/// What a network filtered, before its modulation.
+struct Filtered {
+  Grid picture, context;
 };
 
 FirstHalf first_half(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
@@ -94,15 +101,15 @@ Layers make_layers(const Samples& samples, const FirstHalf& half, const Paramete
           layers.embedding};
 }
 
-Grid layer(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+Filtered layer(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
   const Layers layers = make_layers(samples, half, parameters, layout);
   const Grid kernels = bounded(
       fully_connected(layers.embedding, half.context[0], parameters, "kernel_generator.", false), layout);
-  return filter_layers(kernels, layers, layout.weighted);
+  return {filter_layers(kernels, layers, layout.weighted), half.context[0]};
 }
 
-Grid sample_splat(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+Filtered sample_splat(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
   Grid kernels = bounded(
       fully_connected(half.embedding, half.context[0], parameters, "kernel_generator.", false), layout);
@@ -113,7 +120,8 @@ Grid sample_splat(const Samples& samples, const Parameters& parameters, const Ne
     for (int64_t t = 0; t < kernels.c; ++t) kernels(b, s, t, y, x) = -1e9;  // not the largest of any pixel
   });
   const Grid factor = kept(half.embedding, half.context[0], parameters, layout);
-  return divide(total(splat(kernels, scaled(values, factor))), total(splat(kernels, scaled(ones, factor))));
+  return {divide(total(splat(kernels, scaled(values, factor))), total(splat(kernels, scaled(ones, factor)))),
+          half.context[0]};
 }
 
 /// Of the pixels that are `given`.
@@ -134,17 +142,47 @@ Grid gather(const Grid& logits, const Grid& values, const Grid& given) {
   return out;
 }
 
-Grid pixel(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout, bool gathers) {
+FirstHalf first_half_of_pixels(const Samples& samples, const Parameters& parameters,
+                               const NetworkLayout& layout) {
   const Grid embedding = fully_connected(statistics(samples.features, samples.valid), Grid(), parameters,
                                          "sample_reducer.", true);
-  const Grid context = unet(embedding, parameters, layout.unet)[0];
+  return {embedding, unet(embedding, parameters, layout.unet)};
+}
+
+Filtered pixel(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout,
+               bool gathers) {
+  const FirstHalf half = first_half_of_pixels(samples, parameters, layout);
+  const Grid &embedding = half.embedding, &context = half.context[0];
   const Grid kernels =
       bounded(fully_connected(embedding, context, parameters, "kernel_generator.", false), layout);
   const Grid radiance = masked_mean(samples.radiance, samples.valid);
   const Grid given = drawn(samples.valid);
-  if (gathers) return gather(kernels, radiance, given);
+  if (gathers) return {gather(kernels, radiance, given), context};
   const Grid sent = scaled(given, kept(embedding, context, parameters, layout));
-  return divide(splat(kernels, scaled(radiance, sent)), splat(kernels, sent));
+  return {divide(splat(kernels, scaled(radiance, sent)), splat(kernels, sent)), context};
+}
+
+/// The mean and its Gaussian blur, in the proportion that the network says.
+Filtered pixel_blend(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+  const FirstHalf half = first_half_of_pixels(samples, parameters, layout);
+  const Grid logits = fully_connected(half.embedding, half.context[0], parameters, "blend.", false);
+  const Grid mean = masked_mean(samples.radiance, samples.valid), given = drawn(samples.valid);
+  const int64_t size = layout.kernel_size;
+  Grid gaussian(mean.b, 1, size * size, mean.h, mean.w);
+  each(gaussian, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    for (int64_t t = 0; t < gaussian.c; ++t) {
+      const double dy = double(t / size - size / 2), dx = double(t % size - size / 2),
+                   sigma = double(size) / 6;
+      gaussian(b, 0, t, y, x) = -(dx * dx + dy * dy) / (2 * sigma * sigma);
+    }
+  });
+  Grid out = gather(gaussian, mean, given);
+  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
+    const double kept = given(b, 0, 0, y, x) / (1 + std::exp(-logits(b, 0, 0, y, x)));
+    for (int64_t c = 0; c < out.c; ++c)
+      out(b, 0, c, y, x) = kept * mean(b, 0, c, y, x) + (1 - kept) * out(b, 0, c, y, x);
+  });
+  return {out, half.context[0]};
 }
 
 /// Sums over blocks of 2^level x 2^level pixels.
@@ -169,7 +207,7 @@ Grid reached(const Grid& pixels, int64_t kernel_size) {
   return out;
 }
 
-Grid optimized(const Samples& samples, Parameters parameters, const NetworkLayout& layout) {
+Filtered optimized(const Samples& samples, Parameters parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
   const Layers layers = make_layers(samples, half, parameters, layout);
   const int64_t taps = layout.kernel_size * layout.kernel_size, h = samples.valid.h, w = samples.valid.w;
@@ -204,7 +242,7 @@ Grid optimized(const Samples& samples, Parameters parameters, const NetworkLayou
       lambda_sum(b, 0, 0, y, x) += lambda * coverage(b, 0, 0, y, x);
     });
   }
-  return divide(sum, lambda_sum);
+  return {divide(sum, lambda_sum), half.context[0]};
 }
 
 }  // namespace
@@ -227,97 +265,29 @@ Grid statistics(const Grid& values, const Grid& valid) {
 
 namespace {
 
-Grid filtered(const std::string& name, const Samples& samples, const Parameters& parameters,
-              const NetworkLayout& layout) {
+Filtered filtered(const std::string& name, const Samples& samples, const Parameters& parameters,
+                  const NetworkLayout& layout) {
   if (name == "layer") return layer(samples, parameters, layout);
   if (name == "sample_splat") return sample_splat(samples, parameters, layout);
+  if (name == "pixel_blend") return pixel_blend(samples, parameters, layout);
   if (name == "pixel_gather") return pixel(samples, parameters, layout, true);
   if (name == "pixel_splat") return pixel(samples, parameters, layout, false);
   if (name == "optimized") return optimized(samples, parameters, layout);
   throw std::invalid_argument("no scalar reference of the network " + name);
 }
 
-/// a_s: albedo + specular in [0.02, 64], 1 where all channels are at most 1e-4.
-Grid demodulator(const Grid& features, const NetworkLayout& layout) {
-  Grid a(features.b, features.s, 3, features.h, features.w);
-  each(a, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
-    bool none = true;
-    for (int64_t c = 0; c < 3; ++c) {
-      double& sum = a(b, s, c, y, x);
-      sum = features(b, s, layout.albedo + c, y, x);
-      if (layout.specular >= 0) sum += features(b, s, layout.specular + c, y, x);
-      none = none && sum <= 1e-4;
-    }
-    for (int64_t c = 0; c < 3; ++c)
-      a(b, s, c, y, x) = none ? 1 : std::min(std::max(a(b, s, c, y, x), 0.02), 64.0);
-  });
-  return a;
-}
-
-/// L / a, L.
-Grid both_forms(const Grid& radiance, const Grid& a) {
-  Grid both(radiance.b, radiance.s, 6, radiance.h, radiance.w);
-  each(both, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
-    for (int64_t c = 0; c < 3; ++c) {
-      both(b, s, c, y, x) = radiance(b, s, c, y, x) / a(b, s, c, y, x);
-      both(b, s, 3 + c, y, x) = radiance(b, s, c, y, x);
-    }
-  });
-  return both;
-}
-
-/// exp(-12 v), v the mean of the relative variances in the 3x3 pixels that there are.
-Grid steadiness(const Grid& statistics) {
-  Grid variance(statistics.b, 1, 1, statistics.h, statistics.w), out = variance;
-  each(variance, [&](int64_t b, int64_t, int64_t y, int64_t x) {
-    for (int64_t c = 0; c < 3; ++c) {
-      const double mean = statistics(b, 0, c, y, x);
-      if (mean > 0) variance(b, 0, 0, y, x) += statistics(b, 0, 3 + c, y, x) / (mean * mean) / 3;
-    }
-  });
-  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
-    double sum = 0, count = 0;
-    for (int64_t yy = std::max<int64_t>(y - 1, 0); yy < std::min(y + 2, out.h); ++yy)
-      for (int64_t xx = std::max<int64_t>(x - 1, 0); xx < std::min(x + 2, out.w); ++xx, ++count)
-        sum += variance(b, 0, 0, yy, xx);
-    out(b, 0, 0, y, x) = std::exp(-12 * sum / count);
-  });
-  return out;
-}
-
-Grid modulated(const Grid& both, const Grid& statistics, const Grid& beta_logits) {
-  Grid out(both.b, 1, 3, both.h, both.w);
-  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
-    const bool drawn = statistics(b, 0, 0, y, x) > 0;
-    const double beta = drawn ? 1 / (1 + std::exp(-beta_logits(b, 0, 0, y, x))) : 0;
-    for (int64_t c = 0; c < 3; ++c)
-      out(b, 0, c, y, x) =
-          beta * statistics(b, 0, c, y, x) * both(b, 0, c, y, x) + (1 - beta) * both(b, 0, 3 + c, y, x);
-  });
-  return out;
-}
-
-Grid context_of(const std::string& name, const Samples& samples, const Parameters& parameters,
-                const NetworkLayout& layout) {
-  if (name != "pixel_gather" && name != "pixel_splat")
-    return first_half(samples, parameters, layout).context[0];
-  const Grid embedding = fully_connected(statistics(samples.features, samples.valid), Grid(), parameters,
-                                         "sample_reducer.", true);
-  return unet(embedding, parameters, layout.unet)[0];
-}
-
 }  // namespace
 
 Grid network(const std::string& name, const Samples& samples, const Parameters& parameters,
              const NetworkLayout& layout) {
-  if (!layout.demodulates) return filtered(name, samples, parameters, layout);
+  if (!layout.demodulates) return filtered(name, samples, parameters, layout).picture;
   const Grid a = demodulator(samples.features, layout), of_pixels = statistics(a, samples.valid);
   Samples demodulated = samples;
   demodulated.radiance = both_forms(samples.radiance, a);
+  const Filtered both = filtered(name, demodulated, parameters, layout);
   const Grid beta_logits =
-      fully_connected(steadiness(of_pixels), context_of(name, samples, parameters, layout), parameters,
-                      "modulation.weight.", false);
-  return modulated(filtered(name, demodulated, parameters, layout), of_pixels, beta_logits);
+      fully_connected(steadiness(of_pixels), both.context, parameters, "modulation.weight.", false);
+  return modulated(both.picture, of_pixels, beta_logits);
 }
 
 }  // namespace ld::reference

@@ -24,7 +24,7 @@ constexpr int kRows = kManyRegisters ? 8 : 4;
 constexpr int kVectors = 3;
 
 HWY_INLINE V leaky_relu(D d, V x) {
-  return hn::Max(x, hn::Mul(x, hn::Set(d, 0.01f)));
+  return hn::Max(x, hn::Mul(x, hn::Set(d, float(kLeakySlope))));
 }
 
 /// c x / (c + |x|), in a form that an infinite x does not break.
@@ -72,7 +72,8 @@ HWY_INLINE void product_block(const TileProduct& t, int64_t row, int64_t column)
       if (t.epilogue == Epilogue::bounded) result = bounded(d, result, hn::Set(d, t.bound));
       if (t.epilogue == Epilogue::leaky_relu_backward) {
         const V a = hn::Load(d, t.activated + (row + r) * t.activated_pitch + column + v * lanes);
-        result = hn::IfThenElse(hn::Gt(a, hn::Zero(d)), result, hn::Mul(result, hn::Set(d, 0.01f)));
+        result =
+            hn::IfThenElse(hn::Gt(a, hn::Zero(d)), result, hn::Mul(result, hn::Set(d, float(kLeakySlope))));
       }
       hn::Store(result, d, t.out + (row + r) * t.out_pitch + column + v * lanes);
     }
@@ -214,7 +215,7 @@ void leaky_relu_backward_tile(const float* HWY_RESTRICT a, float* HWY_RESTRICT g
       const int64_t i = r * pitch + p;
       const V gradient = hn::Load(d, g + i);
       const auto above = hn::Gt(hn::Load(d, a + i), hn::Zero(d));
-      hn::Store(hn::IfThenElse(above, gradient, hn::Mul(gradient, hn::Set(d, 0.01f))), d, g + i);
+      hn::Store(hn::IfThenElse(above, gradient, hn::Mul(gradient, hn::Set(d, float(kLeakySlope)))), d, g + i);
     }
 }
 

@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "ops/kernels/constants.h"
+
 namespace ld {
 
 constexpr int64_t kPixelStep = 16;  // floats of the widest vector that is dispatched to
@@ -33,7 +35,7 @@ class PackedWeights {
   Floats data_;
 };
 
-/// What becomes of a sum before it is stored: nothing, leaky ReLU of slope 0.01, the bound of
+/// What becomes of a sum before it is stored: nothing, leaky ReLU, the bound of
 /// ops/fully_connected.h, or, in a backward pass, the product with leaky ReLU's derivative where it put out
 /// `activated`.
 enum class Epilogue { none, leaky_relu, bounded, leaky_relu_backward };
@@ -71,8 +73,8 @@ void add_outer_product(const TileOuterProduct& product);
 /// sums[r] += sum over pixels of g[r][.].
 void add_row_sums(const float* g, int64_t pitch, int64_t rows, int64_t pixels, float* sums);
 
-/// g *= 1 where a > 0 and 0.01 elsewhere, over a tile of `rows` rows: back through a leaky ReLU whose result
-/// was a.
+/// g *= 1 where a > 0 and kLeakySlope elsewhere, over a tile of `rows` rows: back through a leaky ReLU whose
+/// result was a.
 void leaky_relu_backward(const float* a, float* g, int64_t rows, int64_t pitch, int64_t pixels);
 
 /// g *= (1 - |a| / bound)^2 over a tile: back through the bound of ops/fully_connected.h whose result was a.

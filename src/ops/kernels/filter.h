@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 
 #include "ops/kernels/dense.h"
 
@@ -20,9 +19,6 @@ struct FilterShape {
 struct Stretch {
   int64_t y, x, count;
 };
-
-/// The lowest value that a logit counts as: differences of a few of them stay finite.
-constexpr float kLowestLogit = std::numeric_limits<float>::lowest() / 4;
 
 /// Columns before and after a row that loads may touch: `reach` pixels and the rest of a vector.
 inline int64_t row_margin(int64_t reach) {

@@ -1,13 +1,19 @@
-// The numbers of demodulation (models/demodulation.h), for the network and for its ONNX form. Free of
-// LibTorch.
+// Numbers of the networks that their ONNX form has too. Free of LibTorch.
 #pragma once
 
 namespace ld {
 
+// models/demodulation.h.
 constexpr double kNoReflectance = 1e-4;  // a reflectance of at most so much in all channels counts as none
 constexpr double kLeastReflectance = 0.02, kMostReflectance = 64;
 constexpr double kLargestDemodulated = 1e35;  // of a radiance that is divided: 50 times it is finite
 constexpr double kLargestModulated = 1e34;    // of a picture that is mixed; beyond, the plain one is taken
 constexpr double kSteadyFalloff = 12;         // of beta's input with the variance
+
+// models/rejection.h.
+constexpr double kMostRejected = 16;  // a pixel's layer counts for e^-16, 1e-7, of another's at least
+
+// models/exposure.h.
+constexpr double kMiddleGrey = 0.18;
 
 }  // namespace ld
