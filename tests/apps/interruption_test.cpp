@@ -123,7 +123,7 @@ TEST(FullDisk, TheLastBytesCountAsMuchAsTheFirst) {
   write_frame(folder / "frame.exr", frame);
   write_image(folder / "image.exr", image);
   write_image(folder / "image.png", image);
-  for (const std::string name : {"frame.exr", "image.exr", "image.png"}) {
+  for (const std::string& name : std::vector<std::string>{"frame.exr", "image.exr", "image.png"}) {
     const std::string bytes = read_file(folder / name);
     for (const size_t missing : {size_t{1}, size_t{100}, size_t{5000}, bytes.size() - 10}) {
       SCOPED_TRACE(name + " without " + std::to_string(missing) + " bytes");

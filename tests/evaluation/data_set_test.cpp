@@ -80,7 +80,7 @@ TEST_F(DataSetOnDisk, AReferenceOfAnotherSizeNamesBothFilesAndSizes) {
   write_image(reference_path(folder_.path(), "frame_1"), Image(11, 9, 3));
   const FrameSet frames = open_frame_set(folder_.path(), "test", {"radiance"}, 0);
   const std::string message = message_of([&] { frames.load(1); });
-  for (const std::string part :
+  for (const char* part :
        {"frame_1.exr 12 x 9 pixels", "frame_1.reference.exr is 11 x 9 pixels", "of another display window"})
     EXPECT_NE(message.find(part), std::string::npos) << message;
 }

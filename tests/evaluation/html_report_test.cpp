@@ -109,7 +109,8 @@ size_t count_of(const std::string& text, const std::string& part) {
 TEST(HtmlReport, IsOneFileThatForbidsItselfTheNetwork) {
   const std::string page = report_of(3, 20, 16, {{"mean", mean_radiance}}, {});
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
-  for (const std::string outside : {"http://", "https://", "src=", "@import", "url("}) {
+  for (const std::string& outside :
+       std::vector<std::string>{"http://", "https://", "src=", "@import", "url("}) {
     size_t expected = outside == "http://" ? 1U : 0U;  // the name space of SVG, which nobody fetches
     EXPECT_EQ(count_of(page, outside), expected) << outside;
   }

@@ -30,14 +30,13 @@ class LdEval : public testing::Test {
 TEST_F(LdEval, WithoutModelsItComparesTheBaselinesAndWritesAllFiles) {
   const ProgramResult result = run({"--split", "train", "--json", path("copy.json")});
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const std::string text : {"| method ", "| noisy ", "| blur ", "epsilon 0.0001",
-                                 "its width chosen for each metric", "(d - r)^2 / (r^2 + 0.0001)",
-                                 "95 % confidence intervals", "In pairs with noisy", "3 frames are too few"})
+  for (const char* text : {"| method ", "| noisy ", "| blur ", "epsilon 0.0001",
+                           "its width chosen for each metric", "(d - r)^2 / (r^2 + 0.0001)",
+                           "95 % confidence intervals", "In pairs with noisy", "3 frames are too few"})
     EXPECT_NE(result.output.find(text), std::string::npos) << text << " in\n" << result.output;
   EXPECT_EQ(result.output.find("| frame_"), std::string::npos) << "rows for each frame only on request";
-  for (const std::string name :
-       {"metrics.csv", "metrics.json", "comparison.csv", "comparison.png", "report.html",
-        "strips/frame_0.png", "strips/frame_1.png", "strips/frame_2.png"})
+  for (const char* name : {"metrics.csv", "metrics.json", "comparison.csv", "comparison.png", "report.html",
+                           "strips/frame_0.png", "strips/frame_1.png", "strips/frame_2.png"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
 
   // The numbers are those of the library, up to JSON's text.
@@ -116,7 +115,7 @@ TEST_F(LdEval, TheFirstSamplesAloneOnRequest) {
   EXPECT_EQ(json["samples"], 1);
   const auto expected = evaluate(open_frame_set(folder_ / "data", "train", {"radiance"}, 0, 1), {}, {}),
              two = evaluate(open_frame_set(folder_ / "data", "train", {"radiance"}, 0), {}, {});
-  for (const std::string name : {"noisy", "blur"})
+  for (const char* name : {"noisy", "blur"})
     for (size_t m = 0; m < metrics().size(); ++m) {
       EXPECT_DOUBLE_EQ(json["methods"][name]["mean"][metrics()[m].name], expected->method(name).mean(m));
       EXPECT_TRUE(better(metrics()[m], two->method(name).mean(m), expected->method(name).mean(m))) << name;

@@ -30,7 +30,7 @@ TEST(Method, BadModelArgumentsAreUsageErrorsThatSayWhatWasExpected) {
             std::string::npos);
   EXPECT_NE(message_of([] { parse_model_arguments({"a\nb=1"}); }).find("control character"),
             std::string::npos);
-  for (const std::string name : {"noisy", "blur", "reference"}) {
+  for (const std::string& name : std::vector<std::string>{"noisy", "blur", "reference"}) {
     const std::string message = message_of([&] { parse_model_arguments({name + "=file"}); });
     EXPECT_NE(message.find("may not be named '" + name + "'"), std::string::npos) << message;
   }
@@ -46,8 +46,7 @@ TEST(Method, FoldersOfPicturesAreNamedLikeModels) {
 
 TEST(Method, ABaselineMustBeOneOfTheMethods) {
   const std::vector<Method> methods = {{"layer", nullptr}};
-  for (const std::string name : {"", "noisy", "blur", "layer"})
-    EXPECT_NO_THROW(check_baseline(name, methods));
+  for (const char* name : {"", "noisy", "blur", "layer"}) EXPECT_NO_THROW(check_baseline(name, methods));
   EXPECT_THROW(check_baseline("lair", methods), UsageError);
   EXPECT_NE(message_of([&] { check_baseline("lair", methods); }).find("there are noisy, blur, layer"),
             std::string::npos);

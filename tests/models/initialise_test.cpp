@@ -54,7 +54,8 @@ TEST(Initialise, KernelsBeginAsAGaussian) {
     const Tensor kernel = first_kernel(config);
     const double centre = kernel[3 * 7 + 3].item<double>();
     for (int64_t tap = 0; tap < 49; ++tap) {
-      const double dx = double(tap % 7 - 3), dy = double(tap / 7 - 3), square = dx * dx + dy * dy;
+      const int64_t column = tap % 7, row = tap / 7;
+      const double dx = double(column - 3), dy = double(row - 3), square = dx * dx + dy * dy;
       // A bounded logit falls no further than its bound.
       const double logit = bound > 0 ? std::max(-square / 4.5, -0.9 * bound - 0.5 * bound) : -square / 4.5;
       EXPECT_NEAR(kernel[tap].item<double>() / centre, std::exp(logit), 1e-4) << tap << " bound " << bound;

@@ -185,11 +185,11 @@ TEST(Probe, SamplesFollowTheirDensity) {
 TEST(Probe, LightsAFloorAsBruteForceSays) {
   Scene scene = floor_spot();
   scene.probe = test_probe();
-  constexpr int kGrid = 2000;
+  constexpr int kGrid = 2000, kRows = kGrid / 2;
   double irradiance = 0;
-  for (int i = 0; i < kGrid / 2; ++i)
+  for (int i = 0; i < kRows; ++i)
     for (int j = 0; j < kGrid; ++j) {
-      const float y = (static_cast<float>(i) + 0.5F) / (kGrid / 2);
+      const float y = (static_cast<float>(i) + 0.5F) / kRows;
       const float phi = 2 * kPi * (static_cast<float>(j) + 0.5F) / kGrid, r = std::sqrt(1 - y * y);
       irradiance += static_cast<double>(
                         luminance(scene.probe->radiance({r * std::cos(phi), y, r * std::sin(phi)})) * y) *

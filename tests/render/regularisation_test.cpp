@@ -168,8 +168,9 @@ TEST(IndirectClamp, BoundsWhatCameOverTwoBouncesOnly) {
   tight.max_bounces = loose.max_bounces = 2;
   for (uint32_t i = 0; i < 64; ++i) {
     CameraSample middle;
-    middle.x = static_cast<float>(i % 8) + 0.5F;
-    middle.y = static_cast<float>(i / 8) + 0.5F;
+    const uint32_t column = i % 8, row = i / 8;
+    middle.x = static_cast<float>(column) + 0.5F;
+    middle.y = static_cast<float>(row) + 0.5F;
     const Ray ray = mirror.scene().camera.ray(middle);
     const auto first = mirror.trace(ray, 0);
     if (!first || first->object != 1) continue;

@@ -277,7 +277,7 @@ TEST_F(SceneFileTest, WhatLiesBeyondABufferIsNotRead) {
   expect(Place("/bufferViews/0/byteStride"), 4, "bufferViews[0].byteStride: expected at least the 12 bytes");
   expect(Place("/bufferViews/0/byteLength"), 49,
          "bufferViews[0]: expected a place within the 48 bytes of its buffer");
-  expect(Place("/accessors/0/count"), 0, "accessors[0].count: expected at least 1");
+  expect(Place("/accessors/0/count"), int64_t{0}, "accessors[0].count: expected at least 1");
   expect(Place("/meshes/0/primitives/0/attributes"), nlohmann::json::object(),
          "POSITION: expected an index below 3");
   const nlohmann::json place = {{"bufferView", 0}, {"byteOffset", 40}};

@@ -86,7 +86,7 @@ class TestGltf {
   }
 
  private:
-  int add(std::string bytes, int component, size_t count, const char* type) {
+  int add(const std::string& bytes, int component, size_t count, const char* type) {
     root["buffers"].push_back(
         {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}});
     const size_t buffer = root["buffers"].size() - 1;
