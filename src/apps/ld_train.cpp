@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     if (state.rollbacks > 0)
       spdlog::warn(
           "the training collapsed and went back {} times: the learning rate ended at {:g} of the schedule's",
-          state.rollbacks, std::ldexp(1.0, -static_cast<int>(state.rollbacks)));
+          state.rollbacks, state.rate_factor());
     app.write_json({{"step", state.step},
                     {"total_steps", trainer.total_steps()},
                     {"skipped", state.skipped},
