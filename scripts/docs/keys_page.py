@@ -26,7 +26,8 @@ prints; the last column is the comment of the key's field in the source. A test 
 """
 KINDS = {
     "train": ("Training configurations", "TrainConfig",
-              "What `ld_train --config` reads. [Training](training.md), [loading](loading.md) and [networks](networks.md) explain them."),
+              "What `ld_train --config` reads. [Training](training.md), [loading](loading.md) and [networks](networks.md) explain them. "
+              "A file may also say `base: FILE`, which names [a configuration that it builds on](training.md)."),
     "recipe": ("Scene recipes", "Recipe",
                "What `ld_render --recipe` reads. [Rendering](rendering.md) and [scenes](scenes.md) explain them."),
     "mapping": ("Mappings", "ImportMapping",

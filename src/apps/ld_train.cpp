@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "apps/app.h"
-#include "core/config_tree.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "ops/runtime.h"
+#include "training/run/config_file.h"
 #include "training/run/run_folder.h"
 #include "training/trainer.h"
 
@@ -29,9 +29,7 @@ int main(int argc, char** argv) {
 
   return app.run(argc, argv, [&] {
     app.refuse_overwriting({}, {config_path});
-    ld::ConfigNode tree = ld::read_config(config_path);
-    for (const std::string& assignment : overrides) ld::apply_override(tree, assignment);
-    auto config = ld::config_from_tree<ld::TrainConfig>(tree);
+    ld::TrainConfig config = ld::read_train_config(config_path, overrides);
     const auto sets_seed = [](const std::string& assignment) { return assignment.rfind("seed=", 0) == 0; };
     if (app.seed() && std::any_of(overrides.begin(), overrides.end(), sets_seed))
       ld::fail_command_line("--seed {} and {} both say the seed; give one of them", *app.seed(),
@@ -56,7 +54,7 @@ int main(int argc, char** argv) {
     if (state.rollbacks > 0)
       spdlog::warn(
           "the training collapsed and went back {} times: the learning rate ended at {:g} of the schedule's",
-          state.rollbacks, std::ldexp(1.0, -static_cast<int>(state.rollbacks)));
+          state.rollbacks, state.rate_factor());
     app.write_json({{"step", state.step},
                     {"total_steps", trainer.total_steps()},
                     {"skipped", state.skipped},

@@ -20,6 +20,7 @@
 #include "core/text_table.h"
 #include "losses/loss.h"
 #include "models/initialise.h"
+#include "training/run/config_file.h"
 #include "training/trainer.h"
 #include "training/training_data.h"
 
@@ -59,7 +60,7 @@ double cpu_seconds() {
 }
 
 TrainConfig config_of(const LoaderBench& options, const std::string& file, const fs::path& cache) {
-  auto config = config_from_tree<TrainConfig>(read_config(file));
+  TrainConfig config = read_train_config(file);
   config.data.path = options.data;
   config.data.cache = cache.string();
   config.data.batch = options.batch;

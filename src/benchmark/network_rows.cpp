@@ -3,14 +3,14 @@
 #include "losses/loss.h"
 #include "models/initialise.h"
 #include "models/network_cost.h"
-#include "training/run/config.h"
+#include "training/run/config_file.h"
 
 namespace ld {
 
 using torch::Tensor;
 
 NetworkConfig read_network_config(const std::string& file) {
-  return config_from_tree<TrainConfig>(read_config(file)).network;
+  return read_train_config(file).network;
 }
 
 NetworkConfig bench_config(const BenchSizes& sizes, const std::string& network) {

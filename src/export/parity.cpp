@@ -11,6 +11,7 @@
 #include "frame/frame_file.h"
 #include "frame/schema.h"
 #include "models/initialise.h"
+#include "training/run/config_file.h"
 #include "weights/model_file.h"
 #include "weights/weight_file.h"
 
@@ -45,7 +46,7 @@ ExportSource load_source(const std::filesystem::path& model) {
 }
 
 ExportSource untrained_source(const std::filesystem::path& config, uint64_t seed) {
-  const ConfigNode root = read_config(config);
+  const ConfigNode root = read_train_tree(config);
   const ConfigNode* section = root.find("network");
   if (section == nullptr) fail_usage("{}: no section 'network'; expected a training config", config.string());
   const auto network_config = config_from_tree<NetworkConfig>(*section);

@@ -38,11 +38,17 @@ void flush_denormals(int threads, bool flush) {
 
 RuntimeGuard::RuntimeGuard(int threads) : threads_(threads), threads_before_(at::get_num_threads()) {
   at::set_num_threads(threads);
-  flush_denormals(threads_, true);
+  std::fegetenv(&caller_before_);
+  pool_before_.assign(static_cast<size_t>(threads), caller_before_);
+  at::parallel_for(0, threads, 1,
+                   [&](int64_t n, int64_t) { std::fegetenv(&pool_before_[static_cast<size_t>(n)]); });
+  flush_denormals(threads, true);
 }
 
 RuntimeGuard::~RuntimeGuard() {
-  flush_denormals(threads_, false);
+  at::parallel_for(0, threads_, 1,
+                   [&](int64_t n, int64_t) { std::fesetenv(&pool_before_[static_cast<size_t>(n)]); });
+  std::fesetenv(&caller_before_);
   at::set_num_threads(threads_before_);
 }
 

@@ -1,4 +1,4 @@
-// What the files of a checkpoint hold (training/run/checkpoint_folder.h has the folders):
+// What the files of a checkpoint hold (their folders: training/run/checkpoint_folder.h):
 //  - weights.safetensors: the weights that validate: the averaged ones where there are any;
 //  - optimizer.safetensors: Adam's moments, and the trained weights where the others are averaged;
 //  - state.json: the TrainingState.

@@ -31,7 +31,7 @@ struct Plan {
   double state_megabytes = 0;  // of optimiser and averaged weights
   double max_minutes = 0;
   uint64_t checkpoint_bytes = 0;
-  int64_t checkpoints = 0;  // at a time, the one that is being written included
+  int64_t checkpoints = 0;  // at one time, with the one that is being written
   uint64_t free_bytes = 0;  // of the disk
 };
 

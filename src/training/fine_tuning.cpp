@@ -49,7 +49,7 @@ torch::Tensor with_features(const torch::Tensor& stored, const std::vector<std::
   return columns;
 }
 
-/// Those of `names` that `others` does not have, for people.
+/// The names that `others` lacks, as a list for a message.
 std::string missing_from(const std::vector<std::string>& others, const std::vector<std::string>& names) {
   std::vector<std::string> missing;
   for (const std::string& name : names)
@@ -74,7 +74,7 @@ void begin_with_weights(const std::filesystem::path& model, Network& network) {
   const torch::NoGradGuard no_graph;
   for (auto& parameter : network.named_parameters()) {
     const torch::Tensor* found = source.find(parameter.key());
-    if (found == nullptr && parameter.key().rfind(kRejection, 0) == 0) continue;  // which begins as nothing
+    if (found == nullptr && parameter.key().rfind(kRejection, 0) == 0) continue;  // it begins without effect
     if (found == nullptr)
       fail_usage(
           "init: {} (network '{}') has no '{}', which this run's network '{}' has; give both the same layers",

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "models/network.h"
+#include "training/distributed/process_group.h"
 
 namespace ld {
 
@@ -14,13 +17,19 @@ struct KernelStatistics {
   double entropy = 0;       // of a kernel's normalised taps, in nats: 0 for one tap, log(n) for n equal ones
   double centre_share = 0;  // of the tap that keeps a pixel as it is
   std::vector<double> layer_share;  // of what pixels send, front to back; none without layers
-  double deviation =
-      1;  // between pixels, of a tap's share, relative to its mean: 0 for one kernel everywhere
+  /// Between pixels, of a tap's share, relative to its mean: 0 for one kernel everywhere.
+  double deviation = 1;
 };
 
-/// Of the kernels for an input, without a gradient. The entropy is that of the taps of a layer or sample, its
-/// own share in the pixel apart.
+/// Looks at the kernels for an input, without a gradient. The entropy is that of the taps within a layer or
+/// sample, however much that layer or sample sends in all.
 KernelStatistics kernel_statistics(Network& network, const NetworkInput& input);
+
+/// Collective. `own` of each process counts by its share of the batch.
+KernelStatistics mean_over_processes(const KernelStatistics& own, double share, ProcessGroup& group);
+
+/// Adds the columns of metrics.csv.
+void add_to_row(const KernelStatistics& statistics, std::map<std::string, double>& row);
 
 using KernelProbe = std::function<KernelStatistics(Network&, const NetworkInput&)>;
 

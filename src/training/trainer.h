@@ -1,4 +1,5 @@
-// The training loop: steps, validation, checkpoints, logs, and when to stop.
+// The training loop: steps, validation, checkpoints, logs. What comes when is decided by the run's course
+// (training/run/course.h).
 #pragma once
 
 #include <chrono>
@@ -17,6 +18,7 @@
 #include "training/optimizer/optimizer.h"
 #include "training/run/checkpoint_folder.h"
 #include "training/run/config.h"
+#include "training/run/course.h"
 #include "training/run/pace.h"
 #include "training/run/run_folder.h"
 #include "training/run/training_state.h"
@@ -47,42 +49,34 @@ class Trainer {
   /// lost, data are bad, or the last checkpoint finds no room.
   void train();
 
-  const TrainingState& state() const { return state_; }
+  const TrainingState& state() const { return course_.state(); }
   /// Of the schedule; 0 when a signal came while run.minutes was turned into steps: then there is no run.
-  int64_t total_steps() const { return total_steps_; }
+  int64_t total_steps() const { return course_.total_steps(); }
   /// The network that is trained, and the averaged one that validates (the same without optimizer.ema).
   const Network& network() const { return *network_; }
   const Network& averaged_network() const { return optimizer_.average().network(); }
 
  private:
-  std::optional<Pace> settle_steps();
-  Pace measure_pace();
-  double time_validation(Network& network, double limit);
-  double time_checkpoint(const Network& network, Optimizer& optimizer);
-  void open_run(const std::string& command);
-  void resume();
-  void check_best();
+  // trainer_begin.cpp
+  void open_run(const std::string& command, const std::string& dataset, int64_t total_steps);
+  TrainingState resume(const TrainingState& fresh);
   void announce();
+  // trainer.cpp
   void run_steps();
+  bool must_stop();
   double take_step();
-  void watch_step(double loss);
-  void forget_unsaved_best();
-  void look_at_kernels(std::map<std::string, double>& row);
-  void load_before_collapse();
-  void go_back();
-  void skip_step(const Optimizer::Outcome& outcome);
   [[noreturn]] void end_diverged();
-  void finish_step();
-  bool validate(std::map<std::string, double>& row);
-  void log_row(std::map<std::string, double> row);
-  void write_checkpoint(bool best);
-  bool save(bool best);
+  void validate();
+  void log_row();
+  double rate_of(int64_t step) const;
+  // trainer_checkpoints.cpp
+  void check_best(TrainingState& state);
+  void write_checkpoint();
+  bool save();
   void save_at_end();
   void rescue();
-  bool must_stop();
-  int64_t epoch_of(int64_t step) const;
-  double rate_factor() const;  // of the schedule's learning rate, after going back
-  double rate_of(int64_t step) const;
+  TrainingState load_last_good();
+  void go_back();
 
   ProcessGroup alone_;
   ProcessGroup& group_;
@@ -96,16 +90,11 @@ class Trainer {
   KernelProbe kernel_probe_;
   std::shared_ptr<Network> network_;
   Optimizer optimizer_;
-  std::optional<RunLock> lock_;  // of rank 0
-  std::optional<RunLog> log_;    // of rank 0
-  TrainingState state_;
-  TrainingState before_skips_;  // where the steps that are being skipped in a row began
-  TrainingState saved_;         // as the newest checkpoint holds it
-  bool best_unsaved_ = false;   // the weights as they are have the best score, and no checkpoint holds them
-  std::string collapse_;        // what shows that the training has collapsed; "": it has not
-  int64_t total_steps_ = 0, last_step_ = 0;
-  int64_t timed_steps_ = 0;  // since timed_since_
-  std::chrono::steady_clock::time_point timed_since_;
+  RunCourse course_;
+  std::optional<RunLock> lock_;        // of rank 0
+  std::optional<RunLog> log_;          // of rank 0
+  std::map<std::string, double> row_;  // scores of a validation that are not logged yet
+  StepTimer timer_;                    // since the last row of the log
 };
 
 }  // namespace ld

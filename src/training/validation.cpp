@@ -41,7 +41,7 @@ int64_t Validation::pixels() const {
   return sum;
 }
 
-/// Of the frames of rank 0, evenly spread ones.
+/// Evenly spread ones of the frames that rank 0 validates on are shown.
 bool Validation::is_shown(size_t frame, const ProcessGroup& group) const {
   const auto size = static_cast<size_t>(group.size());
   if (!group.is_root() || frame % size != 0) return false;
@@ -56,7 +56,7 @@ std::optional<ValidationResult> Validation::run(Network& network, const Loss& lo
                                                 const std::function<bool()>& stop) const {
   const torch::NoGradGuard no_graph;
   ValidationResult result;
-  // A row a frame; a process fills those of its own frames.
+  // One row for each frame; each process fills the rows of its own frames.
   const auto columns = static_cast<int64_t>(1 + metrics().size());
   const torch::Tensor table = torch::zeros({static_cast<int64_t>(frames_.size()), columns}, torch::kFloat64);
   bool stopped = false;

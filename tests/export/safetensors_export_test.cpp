@@ -64,6 +64,9 @@ TEST_F(SafetensorsExport, MissingModelsAreErrorsAndLeaveNothing) {
   EXPECT_ERROR(untrained_source(folder_ / "none.yaml", 1), "none.yaml");
   write_file_atomically(folder_ / "c.yaml", "loss: smape\n");
   EXPECT_ERROR(untrained_source(folder_ / "c.yaml", 1), "no section 'network'");
+  write_file_atomically(folder_ / "base.yaml", "network: {features: auto}\n");
+  write_file_atomically(folder_ / "c.yaml", "base: base.yaml\n");
+  EXPECT_ERROR(untrained_source(folder_ / "c.yaml", 1), "name the features");
   write_file_atomically(folder_ / "c.yaml", "network: {features: auto}\n");
   EXPECT_ERROR(untrained_source(folder_ / "c.yaml", 1), "name the features");
 }

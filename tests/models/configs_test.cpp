@@ -6,7 +6,7 @@
 
 #include "losses/loss.h"
 #include "models/network.h"
-#include "training/run/config.h"
+#include "training/run/config_file.h"
 
 namespace ld {
 namespace {
@@ -17,7 +17,7 @@ std::map<std::string, TrainConfig> all_configs() {
   std::map<std::string, TrainConfig> configs;
   for (const auto& file : fs::directory_iterator(fs::path(LD_SOURCE_DIR) / "configs"))
     if (file.path().extension() == ".yaml")
-      configs[file.path().stem().string()] = config_from_tree<TrainConfig>(read_config(file.path()));
+      configs[file.path().stem().string()] = read_train_config(file.path());
   return configs;
 }
 

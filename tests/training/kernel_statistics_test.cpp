@@ -63,5 +63,18 @@ TEST(KernelStatistics, APictureWithoutSamplesHasNone) {
   EXPECT_EQ(kernel_statistics(*small_network(config, torch::kFloat32), input).entropy, 0);
 }
 
+TEST(KernelStatistics, AreMeansOverProcessesAndColumnsOfTheTable) {
+  ProcessGroup alone{ProcessGroupOptions{}};
+  const KernelStatistics half = mean_over_processes({2, 0.5, {0.75, 0.25}, 0.125}, 0.5, alone);
+  EXPECT_EQ(half.deviation, 0.0625);
+  std::map<std::string, double> row = {{"smape", 3}};
+  add_to_row(half, row);
+  EXPECT_EQ(row, (std::map<std::string, double>{{"kernel_centre_share", 0.25},
+                                                {"kernel_entropy", 1},
+                                                {"kernel_layer_share_1", 0.375},
+                                                {"kernel_layer_share_2", 0.125},
+                                                {"smape", 3}}));
+}
+
 }  // namespace
 }  // namespace ld

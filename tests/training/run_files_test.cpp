@@ -122,6 +122,17 @@ TEST(Schedule, WarmUp) {
   EXPECT_NO_THROW(check_optimizer(config));
 }
 
+TEST(Schedule, IsAsLongAsStepsOrEpochsSay) {
+  TrainConfig config;
+  config.epochs = 10;
+  config.optimizer.accumulate = 4;
+  EXPECT_EQ(schedule_steps(config, 7), 17);
+  config.run.minutes = 1;
+  EXPECT_EQ(schedule_steps(config, 7), 0);
+  config.steps = 5;
+  EXPECT_EQ(schedule_steps(config, 7), 5);
+}
+
 TEST(Pace, AsManyStepsAsThereIsTimeFor) {
   Pace pace;
   pace.step = 0.5;

@@ -7,7 +7,7 @@
 #include "frame/schema.h"
 #include "models/check_network.h"
 #include "render/recipe/recipe.h"
-#include "training/run/config.h"
+#include "training/run/config_file.h"
 
 namespace ld {
 
@@ -35,7 +35,8 @@ void add_recipe(Report& report) {
 void inspect_config(Report& report) {
   report.kind = "YAML file";
   report.attempt([&] {
-    const ConfigNode root = read_config(report.path);
+    ConfigNode root = read_config(report.path);
+    if (root.find("base") != nullptr) root = read_train_tree(report.path);
     nlohmann::ordered_json keys = nlohmann::ordered_json::array();
     for (const auto& [key, node] : root.entries) keys.push_back(key);
     report.facts["keys"] = keys;

@@ -29,7 +29,7 @@ struct Heartbeat::State {
   void beat();
 };
 
-/// Until it is stopped or the store fails.
+/// What the thread does until it is stopped or the store fails.
 void Heartbeat::State::beat() {
   std::vector<int64_t> counts(static_cast<size_t>(size), -1);
   std::unique_lock<std::mutex> lock(mutex);

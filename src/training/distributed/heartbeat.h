@@ -13,7 +13,7 @@ namespace ld {
 class Heartbeat {
  public:
   Heartbeat(c10::intrusive_ptr<c10d::Store> store, int rank, int size, std::chrono::milliseconds timeout);
-  /// Does not wait for a store that does not answer.
+  /// Stops the thread; leaves it behind if the store does not answer.
   ~Heartbeat();
   Heartbeat(const Heartbeat&) = delete;
   Heartbeat& operator=(const Heartbeat&) = delete;

@@ -60,8 +60,8 @@ bool is_loopback(const std::string& address) {
   return address == "localhost" || address.rfind("127.", 0) == 0 || address == "::1";
 }
 
-/// Through which network interface the peers are reached. As PyTorch has it: GLOO_SOCKET_IFNAME, or that of
-/// the host's name; but a group on one machine needs no network.
+/// The network interface through which peers are reached: as in PyTorch, GLOO_SOCKET_IFNAME or that of the
+/// host's name. A group on one machine needs no network.
 std::shared_ptr<::gloo::transport::Device> make_device(const std::string& address) {
   const std::string interface = variable("GLOO_SOCKET_IFNAME");
   if (!interface.empty()) return c10d::ProcessGroupGloo::createDeviceForInterface(interface);
@@ -81,7 +81,7 @@ Meeting meet(const ProcessGroupOptions& options) {
   store_options.isServer = options.rank == 0;
   store_options.waitWorkers = false;
 #if TORCH_VERSION_MAJOR > 2 || (TORCH_VERSION_MAJOR == 2 && TORCH_VERSION_MINOR >= 1)
-  store_options.useLibUV = false;  // which not every build of LibTorch has
+  store_options.useLibUV = false;  // not every build of LibTorch has it
 #endif
   store_options.timeout = options.start_timeout;
   Meeting meeting;

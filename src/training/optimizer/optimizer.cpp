@@ -54,7 +54,7 @@ Optimizer::Outcome Optimizer::step(TrainingSet& set, int64_t step, const Loss& l
   return outcome;
 }
 
-/// This process's part of loss and gradient.
+/// Leaves this process's part of the gradient, and returns its part of the loss.
 double Optimizer::accumulate(TrainingSet& set, int64_t step, const Loss& loss) {
   const double share = set.batch_share() / static_cast<double>(config_.accumulate);
   double sum = 0;
@@ -67,7 +67,7 @@ double Optimizer::accumulate(TrainingSet& set, int64_t step, const Loss& loss) {
   return sum;
 }
 
-/// The sums over all processes; returns that of the loss.
+/// Adds the gradients of all processes up, and their losses; returns the loss.
 double Optimizer::add_up(double loss, ProcessGroup& group) {
   if (group.size() == 1) return loss;
   std::vector<torch::Tensor> gradients;

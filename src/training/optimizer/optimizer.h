@@ -26,8 +26,8 @@ class Optimizer {
                           // weights nor moments nor averages have changed
   };
 
-  /// Trains on batches step * accumulate ... of the set, at this learning rate; `n` is the number (from 1) of
-  /// the steps taken if this one is. All processes decide alike, because they look at the same sums.
+  /// Trains on batches step * accumulate ... of the set, at this learning rate. If the step is taken, it is
+  /// the n-th one taken (from 1). All processes decide alike, because they look at the same sums.
   Outcome step(TrainingSet& set, int64_t step, const Loss& loss, double rate, int64_t n, ProcessGroup& group);
 
   torch::optim::Adam& adam() { return adam_; }

@@ -28,7 +28,7 @@ class WeightAverage {
   double decay_;
 };
 
-/// d of update().
+/// The decay d of step n in update().
 double average_decay(double decay, int64_t n);
 
 /// Copies all parameters between networks of one configuration.

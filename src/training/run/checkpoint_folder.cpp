@@ -60,7 +60,7 @@ std::string link_target(const fs::path& link) {
   return error ? "" : target.string();
 }
 
-/// What verify_checkpoint() says; empty for a whole one.
+/// What verify_checkpoint() complains about; empty for a whole checkpoint.
 std::string fault_of(const fs::path& checkpoint) {
   try {
     verify_checkpoint(checkpoint);
@@ -115,8 +115,8 @@ void CheckpointFolder::write(int64_t step, const std::function<void(const fs::pa
       fill(partial);
       write_checkpoint_checksums(partial);
       flush_to_disk(partial);
-      // One of this step may be there already, of a run that was stopped while it validated, say, and be all
-      // there is. It stays until the new one has its place; after a kill bring_back_replaced() finds it.
+      // A run that was stopped while it validated, for example, has a checkpoint of this step already, maybe
+      // its only one. It stays until the new one is in place; after a kill bring_back_replaced() finds it.
       if (fs::exists(folder_ / name)) {
         fs::remove_all(replaced);
         fs::rename(folder_ / name, replaced);
@@ -129,7 +129,7 @@ void CheckpointFolder::write(int64_t step, const std::function<void(const fs::pa
       remove_surplus();
     });
   } catch (const Error&) {
-    std::error_code ignored;  // the space matters, but the error that led here matters more
+    std::error_code ignored;  // the error that led here matters more than the space
     fs::remove_all(partial, ignored);
     if (!fs::exists(folder_ / name, ignored)) fs::rename(replaced, folder_ / name, ignored);
     throw;
@@ -141,13 +141,13 @@ void CheckpointFolder::remove_surplus() const {
   const std::vector<std::string> all = names();
   for (size_t i = static_cast<size_t>(keep_); i < all.size(); ++i)
     if (all[i] != best) fs::remove_all(folder_ / all[i]);
-  for (const std::string& name : entries_of(folder_))  // what killed processes left, and what was replaced
+  for (const std::string& name : entries_of(folder_))  // left by killed processes, or replaced just now
     if (starts_with(name, ".step_") || (starts_with(name, ".") && ends_with(name, ".partial")))
       fs::remove_all(folder_ / name);
 }
 
-/// A process that was killed between two renames has left a checkpoint aside and nothing in its place. One
-/// that was killed later has left what is of no use any more.
+/// A process that was killed between two renames has left a checkpoint aside and nothing in its place: it is
+/// renamed back. A process that was killed later has left one that is replaced: it is removed.
 void CheckpointFolder::bring_back_replaced() const {
   for (const std::string& entry : entries_of(folder_)) {
     if (!starts_with(entry, ".step_") || !ends_with(entry, kReplaced)) continue;

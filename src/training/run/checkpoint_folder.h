@@ -18,10 +18,10 @@ class CheckpointFolder {
   CheckpointFolder(const std::filesystem::path& run, int64_t keep);
 
   /// Calls fill(folder), which writes kCheckpointFiles (weights/checkpoint_files.h) into a folder beside,
-  /// adds the checksums, flushes all to the disk, renames it, and links `last`, with `best` also `best`, to
-  /// it; then removes what need not be kept. A process that is killed at any time leaves whole checkpoints.
-  /// Throws Error when the disk is full or the folder cannot be written: all older checkpoints are then still
-  /// there.
+  /// adds the checksums, flushes all to the disk, renames it, and makes the link `last` name it, and
+  /// `best`, too, if it is; then removes what need not be kept. A process that is killed at any time leaves
+  /// whole checkpoints. Throws Error when the disk is full or the folder cannot be written: all older
+  /// checkpoints are then still there.
   void write(int64_t step, const std::function<void(const std::filesystem::path&)>& fill, bool best);
 
   /// The newest whole checkpoint, which `last` names from now on. A newer one that is damaged is reported and
@@ -29,8 +29,8 @@ class CheckpointFolder {
   /// naming what is wrong with each when there are some and none is whole.
   std::optional<std::filesystem::path> newest_whole();
 
-  /// Makes `best` name the checkpoint of this step, reporting when it did not; false, with `best` as it was,
-  /// when that checkpoint is missing or damaged, which is reported too.
+  /// Makes `best` name the checkpoint of this step, and reports it when it named another. False when that
+  /// checkpoint is missing or damaged, which is reported, too; `best` then stays as it was.
   bool restore_best(int64_t step);
 
   /// The newest whole checkpoint of at most `step` steps.

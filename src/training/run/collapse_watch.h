@@ -1,11 +1,11 @@
 // Notices that a training has collapsed: the loss jumped and stays up, as it does when all kernels have
-// become one tap at too high a learning rate and pass the noise through. Free of LibTorch; reads numbers,
-// changes none.
+// become one tap at too high a learning rate and pass the noise through. Looks at the losses alone, and
+// needs no LibTorch.
 //
 // The steps are cut into windows. A window whose median loss is above `loss_factor` times the usual one (the
 // median over the last kRemembered calm windows) is raised; `patience` raised windows in a row are a
-// collapse. So a few bad steps are none, nor is a slow drift, which the usual loss follows, nor the descent
-// at the start.
+// collapse. A few bad steps are no collapse, nor is a slow drift, which the usual loss follows, nor is the
+// descent at the start.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace ld {
 
-/// Part of the TrainingState: whoever resumes decides as an uninterrupted run does.
+/// Part of the TrainingState, so that a run that resumes decides as an uninterrupted one.
 struct WatchState {
   std::vector<double> losses;   // of the window that is not full yet
   std::vector<double> medians;  // of the last calm windows, oldest first
@@ -24,8 +24,8 @@ struct WatchState {
   int64_t calm_step = 0;        // a step from before the rise: where the last calm window began
 };
 
-/// Adds the loss of `step` (from 1); true when the training has collapsed. A loss that is not finite is left
-/// out: such steps are not taken.
+/// Adds the loss of `step` (from 1); true when the training has collapsed. A loss that is not finite
+/// counts for nothing: such steps are skipped.
 bool watch_loss(WatchState& state, const WatchConfig& config, double loss, int64_t step);
 
 /// The median of the last calm windows; 0 while there are too few to judge by.

@@ -19,7 +19,7 @@ class EventLog {
   /// reported once, kept in memory and written with a later one.
   void write(int64_t step, const std::map<std::string, double>& values);
 
-  /// To the disk itself; false when rows still wait for room.
+  /// Brings all rows to the disk itself; false when some still wait for room.
   bool flush();
 
  private:

@@ -23,14 +23,32 @@ double seconds_of(const Pace& pace, int64_t steps);
 /// The most steps that end within so many seconds, at least 1.
 int64_t steps_within(const Pace& pace, double seconds);
 
-/// Mean of the middle half of at least one measurement: neither what happened once beside nor the turns in
-/// which a loader delivers decide.
+/// The mean of the middle half of the measurements, of which there must be one. What else the machine did at
+/// times changes it little, and so does a loader that delivers several batches at once.
 double typical(std::vector<double> seconds);
 
 /// Since a moment of the clock that does not jump.
 inline double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
+
+/// What a step takes on average, with all that lies between it and the next.
+class StepTimer {
+ public:
+  void start() {
+    steps_ = 0;
+    since_ = std::chrono::steady_clock::now();
+  }
+  void count_step() { ++steps_; }
+  /// Since start(); where no step was counted, all of the time since then.
+  double seconds_per_step() const {
+    return seconds_since(since_) / static_cast<double>(steps_ > 0 ? steps_ : 1);
+  }
+
+ private:
+  int64_t steps_ = 0;
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+};
 
 /// One line for people.
 std::string pace_text(const Pace& pace, double minutes, int64_t steps);

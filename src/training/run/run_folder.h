@@ -13,8 +13,8 @@ namespace ld {
 /// optimizer.accumulate), whose product is compared with the checkpoint.
 std::string fixed_configuration(TrainConfig config);
 
-/// While one lives, no other process trains into that run folder. A process that dies, however, lets go of
-/// it.
+/// While a lock lives, no other process trains into that run folder. The lock of a process that dies is
+/// released.
 class RunLock {
  public:
   /// Makes the folder. Throws Error when another process holds it.
@@ -31,7 +31,7 @@ class RunLock {
 /// fixed_configuration(); UsageError names the first line that differs.
 void claim_run_folder(const std::filesystem::path& run, const TrainConfig& config);
 
-/// Steps of the schedule that the folder's configuration names; 0 when there is none or it names none.
+/// The `steps` of the folder's configuration; 0 when it has none, or there is no configuration.
 int64_t stored_steps(const std::filesystem::path& run);
 
 /// What made a run, besides its configuration.

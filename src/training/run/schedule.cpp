@@ -44,6 +44,11 @@ double learning_rate(const OptimizerConfig& config, int64_t step, int64_t epoch,
   return rate * static_cast<double>(step + 1) / static_cast<double>(config.warmup_steps);
 }
 
+int64_t schedule_steps(const TrainConfig& config, int64_t batches_per_epoch) {
+  if (config.steps > 0 || config.run.minutes > 0) return config.steps;
+  return std::max<int64_t>(config.epochs * batches_per_epoch / config.optimizer.accumulate, 1);
+}
+
 void check_optimizer(const OptimizerConfig& config) {
   if (config.name != "adamw" && config.weight_decay > 0)
     fail_usage(

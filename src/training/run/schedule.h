@@ -17,6 +17,10 @@ namespace ld {
 /// During the first `warmup_steps` that is multiplied by (step + 1) / warmup_steps.
 double learning_rate(const OptimizerConfig& config, int64_t step, int64_t epoch, int64_t total_steps);
 
+/// The length of the schedule: `steps`, or without those what `epochs` make with so many batches in each. 0
+/// where run.minutes decides and has not been turned into steps.
+int64_t schedule_steps(const TrainConfig& config, int64_t batches_per_epoch);
+
 /// Throws UsageError for settings that contradict each other.
 void check_optimizer(const OptimizerConfig& config);
 

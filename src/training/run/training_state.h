@@ -1,6 +1,7 @@
 // What a run must remember besides weights and optimiser, as state.json of a checkpoint holds it.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -24,6 +25,9 @@ struct TrainingState {
   int64_t rollbacks = 0;  // times that the run went back; each halves the learning rate
   WatchState watch;
   std::string dataset;  // checksum of the manifests that the run trains on
+
+  /// Of the schedule's learning rate, what is left after going back.
+  double rate_factor() const { return std::ldexp(1.0, -static_cast<int>(rollbacks)); }
 };
 
 /// Every bit of the numbers is kept.

@@ -236,6 +236,11 @@ TEST(Inspect, Configs) {
   expect_problem(path, "network 'pixel_splat' has no layers");
   write_file_atomically(path, "network: {features: auto, demodulation: albedo, optional: [depth]}\n");
   EXPECT_TRUE(inspect(path, {}).problems.empty()) << report_text(inspect(path, {}));
+  write_file_atomically(folder / "base.yaml", "loss: l1\nepochs: 7\n");
+  write_file_atomically(path, "base: base.yaml\nnetwork: {features: [radiance]}\n");
+  EXPECT_EQ(inspect(path, {}).facts["epochs"], 7);
+  write_file_atomically(path, "base: none.yaml\n");
+  expect_problem(path, "config.yaml:1: base: expected a configuration");
   write_file_atomically(path, "epochs: [1\n");
   expect_problem(path, "not valid YAML");
   write_file_atomically(path, "colour: blue\n");

@@ -1,0 +1,26 @@
+// A training configuration as its files say it.
+//
+// A file may build on another one: `base: quick.yaml` names it, by a path relative to the file that says so.
+// What the file itself says then goes on top, map by map; a list replaces a list. A `network:` of another
+// name than the base's replaces all of the base's, because sizes that were chosen for one network say
+// nothing about another. A base may have a base.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "training/run/config.h"
+
+namespace ld {
+
+/// The file on top of its bases, as one tree. Throws Error when the file is missing, UsageError when it or a
+/// base is no YAML, when a base is missing, and when the bases run in a circle. Whether the keys exist is
+/// found out when the tree is read into its struct.
+ConfigNode read_train_tree(const std::filesystem::path& file);
+
+/// The configuration of a file and its bases, with "key.sub=value" assignments on top.
+TrainConfig read_train_config(const std::filesystem::path& file,
+                              const std::vector<std::string>& overrides = {});
+
+}  // namespace ld
