@@ -78,8 +78,7 @@ class RandomSequences : public SceneSource {
 /// A scene file, loaded once.
 class FileViews : public SceneSource {
  public:
-  explicit FileViews(const Recipe& recipe)
-      : recipe_(recipe), config_(recipe.scene_file), file_(config_.path, config_.animation) {
+  explicit FileViews(const Recipe& recipe) : recipe_(recipe), file_(config_.path, config_.animation) {
     if (!config_.probe.empty()) {
       const auto turn = static_cast<float>(config_.probe_turn) * kPi / 180;
       probe_ = read_probe(config_.probe, grey(static_cast<float>(config_.probe_scale)), turn);
