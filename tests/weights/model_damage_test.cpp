@@ -52,7 +52,9 @@ TEST(ModelDamage, DamagedFilesAreLoadedOrGiveOneLine) {
   });
   EXPECT_GT(errors, 500);
   EXPECT_LT(errors, 900) << "some damages do no harm";
-  if (!kAddressSanitizer) EXPECT_LT(peak_kilobytes() - before, 100 * 1024);
+  if (!kAddressSanitizer) {
+    EXPECT_LT(peak_kilobytes() - before, 100 * 1024);
+  }
 }
 
 /// The good file with another network in its metadata.
@@ -73,7 +75,9 @@ TEST(ModelDamage, AbsurdSizesAreRefusedBeforeTheyTakeMemory) {
   const auto refused = [&](const NetworkConfig& network) {
     write_with_network(path, good, network);
     EXPECT_ERROR(load_model(path), "absurd.safetensors");
-    if (!kAddressSanitizer) EXPECT_LT(peak_kilobytes() - before, 100 * 1024);
+    if (!kAddressSanitizer) {
+      EXPECT_LT(peak_kilobytes() - before, 100 * 1024);
+    }
   };
   std::vector<std::string> names = network_names();
   names.emplace_back("none");
