@@ -164,7 +164,11 @@ void Trainer::validate() {
   row_ = result->scores;
   add_to_row(kernels, row_);
   const double loss = row_.at("validation_loss");
-  course_.validated(loss, kernels.entropy, kernels.deviation);
+  // A network with a filter of its own may well have one kernel for all pixels.
+  if (network_traits(config_.network.name).filter == Filter::own)
+    course_.validated(loss, kNotJudged, kNotJudged);
+  else
+    course_.validated(loss, kernels.entropy, kernels.deviation);
   if (!group_.is_root()) return;
   std::string text;
   for (const Metric& metric : metrics())

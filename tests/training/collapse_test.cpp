@@ -243,6 +243,21 @@ TEST_F(Collapse, KernelsThatAreTheSameEverywhereAreNeverTheBest) {
       << log("run");
 }
 
+TEST_F(Collapse, KernelsThatAreNotGeneratedAreNotJudged) {
+  for (const std::string& name : network_names()) {
+    if (network_traits(name).filter != Filter::own) continue;
+    Collapsing collapsing(0);
+    collapsing.options.kernel_probe = [](Network&, const NetworkInput&) {
+      return KernelStatistics{0, 1, {}, 0};  // one tap, the same everywhere
+    };
+    TrainConfig changed = config(20);
+    changed.network.name = name;
+    collapsing.train(changed, folder_ / name);
+    EXPECT_EQ(collapsing.state.rollbacks, 0) << name;
+    EXPECT_EQ(collapsing.state.step, 20) << name;
+  }
+}
+
 TEST_F(Collapse, TwoProcessesGoBackTogether) {
   std::vector<TrainingState> states(2);
   std::vector<torch::Tensor> weights(2);

@@ -55,7 +55,7 @@ fs::path base_of(const ConfigNode& tree, const Files& files) {
   std::error_code ignored;  // of a name that no file can have
   if (name.empty() || !fs::is_regular_file(base, ignored))
     fail_usage("{}: {}: expected a configuration, by its path from the folder of this file; found no file {}",
-               origin, kBase, name.empty() ? "named" : shown(base.string(), 200));
+               origin, kBase, name.empty() ? "named" : shown(name));
   const FileIdentity identity(base);
   if (std::any_of(files.begin(), files.end(),
                   [&](const fs::path& f) { return FileIdentity(f) == identity; })) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "training/run/config.h"
@@ -22,6 +23,9 @@ enum class Next {
   go_back,   // gone_back()
   end,
 };
+
+/// What no kernel of a collapsed training has.
+constexpr double kNotJudged = std::numeric_limits<double>::infinity();
 
 class RunCourse {
  public:
@@ -48,7 +52,7 @@ class RunCourse {
   int64_t undo_skipped_steps();
 
   /// The scores of a validation: the loss, and of the kernels the mean entropy and the deviation between
-  /// pixels (training/kernel_statistics.h).
+  /// pixels (training/kernel_statistics.h), or kNotJudged.
   void validated(double loss, double entropy, double deviation);
   void logged();
   void saved();
