@@ -125,7 +125,7 @@ nlohmann::ordered_json touch_pages(const TrainConfig& config) {
     drop_pages(config.data.cache);
     const std::shared_ptr<const PackedFrame> frame = store.get(i);
     RandomStream stream(config.seed, RandomPurpose::test, static_cast<uint32_t>(i));
-    const Augmentation crop = random_augmentation(stream, *frame, augmentation);
+    const Augmentation crop = random_augmentation(stream, {frame.get()}, augmentation);
     const SampleRange range = sample_range(config.data);
     const SampleList samples =
         range.all() ? SampleList() : draw_samples(stream, frame->spp, draw_sample_count(stream, range));

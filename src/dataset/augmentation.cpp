@@ -33,8 +33,9 @@ double crop_difficulty(const PackedFrame& frame, int x, int y, int width, int he
   return sum / (double(width) * height);
 }
 
-Augmentation random_augmentation(RandomStream& stream, const PackedFrame& frame,
+Augmentation random_augmentation(RandomStream& stream, const std::vector<const PackedFrame*>& clip,
                                  const AugmentationOptions& options) {
+  const PackedFrame& frame = *clip.front();
   Augmentation a;
   a.width = std::min(options.crop, frame.width);
   a.height = std::min(options.crop, frame.height);
@@ -50,8 +51,11 @@ Augmentation random_augmentation(RandomStream& stream, const PackedFrame& frame,
       candidates.push_back(a);
     }
     std::vector<double> weights;
-    for (const Augmentation& candidate : candidates)
-      weights.push_back(crop_difficulty(frame, candidate.x, candidate.y, a.width, a.height));
+    for (const Augmentation& candidate : candidates) {
+      weights.push_back(0);
+      for (const PackedFrame* of_clip : clip)
+        weights.back() += crop_difficulty(*of_clip, candidate.x, candidate.y, a.width, a.height);
+    }
     a = candidates[draw_by_weight(stream, weights)];
   }
   if (options.flips) {
@@ -63,6 +67,7 @@ Augmentation random_augmentation(RandomStream& stream, const PackedFrame& frame,
   if (options.colours)
     for (uint32_t order = stream.below(6); order > 0; --order)
       std::next_permutation(a.colours.begin(), a.colours.end());
+  if (options.reversal) a.reversed = stream.below(2) == 1;
   return a;
 }
 

@@ -1,8 +1,9 @@
-// Which crop of a frame a training step sees, and how it is flipped, turned and exposed ([MH20] section 4).
+// Which crop of a clip a training step sees, and how it is flipped, turned and exposed ([MH20] section 4).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "core/random.h"
 #include "dataset/packed_frame.h"
@@ -18,6 +19,7 @@ struct Augmentation {
   int quarter_turns = 0;                   // 0 to 3
   float exposure = 1;                      // factor on the radiance of samples and reference
   std::array<int, 3> colours = {0, 1, 2};  // channel c of every colour is the frame's channel colours[c]
+  bool reversed = false;  // time runs backwards: motion over the shutter, and where in it a sample lies
 
   int result_width() const { return quarter_turns % 2 == 0 ? width : height; }
   int result_height() const { return quarter_turns % 2 == 0 ? height : width; }
@@ -27,14 +29,16 @@ struct Augmentation {
 struct AugmentationOptions {
   int crop = 128;  // side of the square crops, pixels; less where the frame is smaller
   bool flips = true, rotations = true;
-  int candidates = 1;    // positions drawn; one is taken with a probability in proportion to its difficulty
-  float exposure = 0;    // stops: radiance is multiplied by 2^u, u uniform in [-exposure, exposure]
-  bool colours = false;  // the three channels of all colours alike in any of their six orders
+  int candidates = 1;     // positions drawn; one is taken with a probability in proportion to its difficulty
+  float exposure = 0;     // stops: radiance is multiplied by 2^u, u uniform in [-exposure, exposure]
+  bool colours = false;   // the three channels of all colours alike in any of their six orders
+  bool reversal = false;  // half of the clips run backwards in time
 };
 
-/// Uniform in flips and turns, and in position where there is one candidate. Candidates that are all of
+/// One for all frames of a clip, which have one size. Uniform in flips and turns, and in position where there
+/// is one candidate. The difficulty of a candidate is the sum over the frames; candidates that are all of
 /// difficulty 0 are equally likely.
-Augmentation random_augmentation(RandomStream& stream, const PackedFrame& frame,
+Augmentation random_augmentation(RandomStream& stream, const std::vector<const PackedFrame*>& clip,
                                  const AugmentationOptions& options);
 
 /// The mean of the tiles' difficulties (dataset/packed_frame.h), weighted by how much of each the crop

@@ -79,6 +79,15 @@ void turn_vectors(Vector kind, const Augmentation& a, float* vx, float* vy, int 
   }
 }
 
+/// Frames that run backwards: what moved forth moves back, and what was drawn early was drawn late. The two
+/// components of a motion are planes of `count` values.
+void reverse_time(const Feature& feature, const uint8_t* valid, float* values, int count) {
+  if (feature.name == "motion")
+    for (int i = 0; i < 2 * count; ++i) values[i] = 0.0F - values[i];
+  if (feature.name == "time")
+    for (int i = 0; i < count; ++i) values[i] = valid[i] != 0 ? 1 - values[i] : 0;
+}
+
 /// tone_map() of every half float that is not negative: a crop of 128x128 at 8 spp has twelve times as many
 /// values as the table.
 class ToneMapTable {
@@ -155,7 +164,7 @@ class CropReader {
     radiance_out_ = planes_.radiance;
     for (size_t i = 0; i < samples_.size(); ++i) {
       const auto s = static_cast<size_t>(samples_[i]);
-      read_sample(samples + s * values_.size());
+      read_sample(samples + s * values_.size(), valid + s * kTilePixels);
       std::copy_n(valid + s * kTilePixels, kTilePixels, encoded_.begin());
       put(encoded_.data(), planes_.valid + i * plane_);
     }
@@ -165,7 +174,7 @@ class CropReader {
   }
 
  private:
-  void read_sample(const uint16_t* half_bits) {
+  void read_sample(const uint16_t* half_bits, const uint8_t* valid) {
     half_to_float(half_bits, values_.data(), values_.size());
     for (int c = 0; c < 3; ++c, radiance_out_ += plane_)
       put_exposed(values_.data() + tile_plane(colour(c)), radiance_out_);
@@ -173,6 +182,7 @@ class CropReader {
       float* values = values_.data() + tile_plane(source.channel);
       if (source.feature->vector != Vector::none)
         turn_vectors(source.feature->vector, a_, values, values + kTilePixels, kTilePixels);
+      if (a_.reversed) reverse_time(*source.feature, valid, values, kTilePixels);
       for (int c = 0; c < source.feature->channels; ++c, features_out_ += plane_) {
         const int from = is_colour(*source.feature) ? colour(c) : c;
         if (source.feature->encoding == Encoding::tone_map)

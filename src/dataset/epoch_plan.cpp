@@ -31,10 +31,9 @@ std::vector<size_t> apportion(size_t total, const std::vector<double>& weights) 
 
 }  // namespace
 
-EpochPlan::EpochPlan(std::vector<size_t> frames, const std::vector<double>& weights, uint64_t seed)
-    : frames_(std::move(frames)),
-      crops_(std::accumulate(frames_.begin(), frames_.end(), size_t{0})),
-      seed_(seed) {
+EpochPlan::EpochPlan(std::vector<size_t> clips, size_t crops, const std::vector<double>& weights,
+                     uint64_t seed)
+    : clips_(std::move(clips)), crops_(crops), seed_(seed) {
   shares_ = apportion(crops_, weights);
   for (size_t set = 0; set < shares_.size(); ++set)
     if (shares_[set] == 0)
@@ -44,16 +43,16 @@ EpochPlan::EpochPlan(std::vector<size_t> frames, const std::vector<double>& weig
           set, weights[set], crops_);
 }
 
-std::vector<FrameRef> EpochPlan::epoch(uint32_t epoch) const {
+std::vector<ClipRef> EpochPlan::epoch(uint32_t epoch) const {
   std::vector<std::vector<size_t>> drawn;
-  for (size_t set = 0; set < frames_.size(); ++set) drawn.push_back(draw(set, epoch));
-  std::vector<size_t> taken(frames_.size(), 0);
-  std::vector<FrameRef> plan;
+  for (size_t set = 0; set < clips_.size(); ++set) drawn.push_back(draw(set, epoch));
+  std::vector<size_t> taken(clips_.size(), 0);
+  std::vector<ClipRef> plan;
   while (plan.size() < crops_) {
     // The set that is furthest behind its share of the crops so far.
     size_t next = 0;
     double furthest = -1;
-    for (size_t set = 0; set < frames_.size(); ++set) {
+    for (size_t set = 0; set < clips_.size(); ++set) {
       const double due = static_cast<double>(shares_[set]) * static_cast<double>(plan.size() + 1) /
                          static_cast<double>(crops_);
       const double behind = taken[set] < shares_[set] ? due - static_cast<double>(taken[set]) : -2;
@@ -72,11 +71,11 @@ std::vector<size_t> EpochPlan::draw(size_t set, uint32_t epoch) const {
   std::vector<size_t> drawn;
   std::vector<uint32_t> order;
   for (uint64_t i = begin; i < begin + shares_[set]; ++i) {
-    const uint64_t round = i / frames_[set], place = i % frames_[set];
+    const uint64_t round = i / clips_[set], place = i % clips_[set];
     if (order.empty() || place == 0) {
       RandomStream stream(seed_, RandomPurpose::data_order, static_cast<uint32_t>(round),
                           static_cast<uint32_t>(set));
-      order = random_permutation(stream, static_cast<uint32_t>(frames_[set]));
+      order = random_permutation(stream, static_cast<uint32_t>(clips_[set]));
     }
     drawn.push_back(order[place]);
   }

@@ -31,7 +31,9 @@ class FrameStore {
   FrameStore(std::filesystem::path data_set, const std::string& split, std::vector<std::string> features,
              const CacheOptions& options);
 
+  const std::filesystem::path& folder() const { return data_set_; }
   size_t size() const { return entries_.size(); }
+  const ManifestFrame& frame(size_t index) const { return entries_[index]->frame; }
   const std::string& name(size_t index) const { return entries_[index]->frame.name; }
   int width(size_t index) const { return entries_[index]->width; }
   int height(size_t index) const { return entries_[index]->height; }

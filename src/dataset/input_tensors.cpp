@@ -103,8 +103,11 @@ NetworkInput FrameInput::radiance_rows(int64_t begin, int64_t end) const {
   return strip;
 }
 
-Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::string>& features) {
+Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::string>& features,
+                 int64_t clip) {
   if (crops.empty()) fail("a batch needs at least one crop, found none");
+  if (clip < 1 || static_cast<int64_t>(crops.size()) % clip != 0)
+    fail("a batch of {} crops is not one of whole clips of {}", crops.size(), clip);
   const int width = crops[0].augmentation.result_width(), height = crops[0].augmentation.result_height();
   int spp = 0;
   for (const FrameCrop& crop : crops) {
@@ -118,6 +121,7 @@ Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::str
   const int channels = channel_count(features);
   // Filled by hand: LibTorch would start threads of its own for this thread.
   Batch batch;
+  batch.clip = clip;
   batch.input.features = torch::empty({count, spp, channels, height, width});
   batch.input.radiance = torch::empty({count, spp, 3, height, width});
   batch.input.valid = torch::empty({count, spp, 1, height, width});

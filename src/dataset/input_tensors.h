@@ -33,9 +33,15 @@ class FrameInput : public InputSource {
   std::vector<std::string> features_;
 };
 
+/// B clips of T frames, folded: [B T, ...], clip after clip, the frames of each in their order. So a network
+/// that keeps nothing from frame to frame trains on clips as on so many single frames.
 struct Batch {
   NetworkInput input;
-  torch::Tensor reference;  // [B, 3, H, W] linear
+  torch::Tensor reference;  // [B T, 3, H, W] linear
+  int64_t clip = 1;         // T
+
+  /// The same memory as [B, T, ...], of any of these tensors.
+  torch::Tensor by_clip(const torch::Tensor& folded) const { return folded.unflatten(0, {-1, clip}); }
 };
 
 /// A crop, the frame that it is of, and which of the frame's samples it reads.
@@ -47,9 +53,11 @@ struct FrameCrop {
   size_t sample_count() const { return samples.empty() ? static_cast<size_t>(frame->spp) : samples.size(); }
 };
 
-/// Reads the crops (dataset/crop.h), filled up with samples that are not valid as above. Runs on the calling
-/// thread alone. Throws Error when their sizes differ or there is none.
-Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::string>& features);
+/// Reads the crops (dataset/crop.h) of clips of so many frames, filled up with samples that are not valid as
+/// above. Runs on the calling thread alone. Throws Error when their sizes differ, there is none, or the last
+/// clip is not whole.
+Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::string>& features,
+                 int64_t clip = 1);
 
 /// [3, H, W] to and from a tensor.
 torch::Tensor to_tensor(const Image& image);

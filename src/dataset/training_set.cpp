@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace ld {
@@ -9,16 +11,25 @@ namespace {
 
 /// Streams of their own beside that of a slot's position and turn, which are then those of a training with
 /// all samples.
-constexpr uint32_t kWhich = 1, kHowMany = 2, kDropped = 3;
+constexpr uint32_t kWhich = 1, kHowMany = 2, kDropped = 3, kPurposes = 4;
 
-EpochPlan make_plan(const std::vector<WeightedStore>& sets, uint64_t seed) {
-  std::vector<size_t> frames;
+std::vector<std::vector<Clip>> clips_of_sets(const std::vector<WeightedStore>& sets, int length) {
+  std::vector<std::vector<Clip>> clips;
+  for (const WeightedStore& set : sets) clips.push_back(clips_of(*set.store, length));
+  return clips;
+}
+
+EpochPlan make_plan(const std::vector<WeightedStore>& sets, const std::vector<std::vector<Clip>>& clips,
+                    uint64_t seed) {
+  std::vector<size_t> counts;
   std::vector<double> weights;
-  for (const WeightedStore& set : sets) {
-    frames.push_back(set.store->size());
-    weights.push_back(set.weight);
+  size_t crops = 0;
+  for (size_t set = 0; set < sets.size(); ++set) {
+    counts.push_back(clips[set].size());
+    weights.push_back(sets[set].weight);
+    crops += clips_per_epoch(clips[set]);
   }
-  return EpochPlan(frames, weights, seed);
+  return EpochPlan(counts, crops, weights, seed);
 }
 
 }  // namespace
@@ -34,7 +45,8 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
       features_(std::move(features)),
       options_(std::move(options)),
       part_(batch_part(options_.batch, options_.rank, options_.processes)),
-      plan_(make_plan(sets_, options_.seed)),
+      clips_(clips_of_sets(sets_, options_.clip)),
+      plan_(make_plan(sets_, clips_, options_.seed)),
       batches_([this](int64_t number) { return batch_with(number, sample_count(number)); },
                options_.workers) {
   if (options_.batch < options_.processes)
@@ -44,9 +56,13 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
         options_.batch, options_.processes, options_.processes);
   if (batches_per_epoch() < 1)
     fail_usage(
-        "data.batch: {} crops a step come from different frames, but the split has {}; render more frames or "
-        "set data.batch={}",
-        options_.batch, plan_.crops(), plan_.crops());
+        "data.batch: {} crops a step come from different {}, but an epoch of the split has {}; render more "
+        "frames or set data.batch={}",
+        options_.batch, options_.clip == 1 ? "frames" : "clips", plan_.crops(), plan_.crops());
+  if (options_.augmentation.reversal && first_channel(features_, "flow") >= 0)
+    fail_usage(
+        "data.reversal: the network reads 'flow', the way to the frame before, which a clip that runs "
+        "backwards does not know; set data.reversal=false or leave 'flow' out of network.features");
   const int crop = options_.augmentation.crop;
   for (const WeightedStore& set : sets_)
     for (size_t i = 0; i < set.store->size(); ++i)
@@ -70,9 +86,9 @@ int64_t TrainingSet::batches_per_epoch() const {
   return step <= crops ? crops / step * options_.accumulate : crops / options_.batch;
 }
 
-RandomStream TrainingSet::Slot::stream(uint64_t seed, uint32_t purpose) const {
+RandomStream TrainingSet::Slot::stream(uint64_t seed, uint32_t purpose, uint32_t frame) const {
   return RandomStream(seed, RandomPurpose::augmentation, static_cast<uint32_t>(step),
-                      static_cast<uint32_t>(place), purpose);
+                      static_cast<uint32_t>(place), purpose + kPurposes * frame);
 }
 
 /// `place`: within the batch.
@@ -81,8 +97,8 @@ TrainingSet::Slot TrainingSet::slot_of(int64_t number, int64_t place) const {
 }
 
 /// Of the whole batch.
-std::vector<FrameRef> TrainingSet::frames_of(int64_t number) const {
-  const std::vector<FrameRef> epoch = plan_.epoch(static_cast<uint32_t>(number / batches_per_epoch()));
+std::vector<ClipRef> TrainingSet::clips_of_batch(int64_t number) const {
+  const std::vector<ClipRef> epoch = plan_.epoch(static_cast<uint32_t>(number / batches_per_epoch()));
   const auto first = epoch.begin() + number % batches_per_epoch() * options_.batch;
   return {first, first + options_.batch};
 }
@@ -95,22 +111,24 @@ int TrainingSet::sample_count(int64_t number) const {
 }
 
 Batch TrainingSet::batch_with(int64_t number, int samples) const {
-  const std::vector<FrameRef> frames = frames_of(number);
+  const std::vector<ClipRef> clips = clips_of_batch(number);
   std::vector<FrameCrop> crops;
   for (int64_t place = part_.first; place < part_.first + part_.count; ++place)
-    crops.push_back(draw_crop(frames[static_cast<size_t>(place)], slot_of(number, place), samples));
-  Batch batch = make_batch(crops, features_);
+    for (FrameCrop& crop : draw_clip(clips[static_cast<size_t>(place)], slot_of(number, place), samples))
+      crops.push_back(std::move(crop));
+  Batch batch = make_batch(crops, features_, options_.clip);
   drop_features(batch, number);
   return batch;
 }
 
-/// As frames look that never had the feature: zeros. By hand, as make_batch() does it.
+/// As frames look that never had the feature: zeros, in all frames of a clip. By hand, as make_batch() does
+/// it.
 void TrainingSet::drop_features(Batch& batch, int64_t number) const {
   if (options_.drop == 0) return;
-  const torch::Tensor& features = batch.input.features;  // [B, S, F, H, W]
+  const torch::Tensor& features = batch.input.features;  // [B T, S, F, H, W]
   const int64_t plane = features.size(3) * features.size(4);
   for (int64_t b = 0; b < features.size(0); ++b) {
-    RandomStream stream = slot_of(number, part_.first + b).stream(options_.seed, kDropped);
+    RandomStream stream = slot_of(number, part_.first + b / batch.clip).stream(options_.seed, kDropped);
     for (const std::string& name : options_.optional) {
       if (static_cast<double>(stream.uniform()) >= options_.drop) continue;
       const int64_t first = first_channel(features_, name), channels = find_feature(name).channels;
@@ -125,31 +143,50 @@ void TrainingSet::drop_features(Batch& batch, int64_t number) const {
 std::string TrainingSet::describe(int64_t first, int64_t count) const {
   std::string text;
   for (int64_t number = first; number < first + count; ++number) {
-    const std::vector<FrameRef> frames = frames_of(number);
+    const std::vector<ClipRef> clips = clips_of_batch(number);
     for (int64_t place = 0; place < options_.batch; ++place) {
-      const FrameRef ref = frames[static_cast<size_t>(place)];
-      const FrameCrop drawn = draw_crop(ref, slot_of(number, place), sample_count(number));
-      const Augmentation& crop = drawn.augmentation;
-      text +=
-          fmt::format("{}{} at {},{}{}{}{}", text.empty() ? "" : "; ", sets_[ref.set].store->name(ref.frame),
-                      crop.x, crop.y, crop.flip_x ? " flipped in x" : "", crop.flip_y ? " flipped in y" : "",
-                      crop.quarter_turns > 0 ? fmt::format(" turned {}", 90 * crop.quarter_turns) : "");
+      const ClipRef ref = clips[static_cast<size_t>(place)];
+      const std::vector<FrameCrop> drawn = draw_clip(ref, slot_of(number, place), sample_count(number));
+      const Augmentation& crop = drawn.front().augmentation;
+      std::vector<std::string> names;
+      for (const size_t frame : clips_[ref.set][ref.clip]) names.push_back(sets_[ref.set].store->name(frame));
+      text += fmt::format("{}{}{} at {},{}{}{}{}", text.empty() ? "" : "; ", fmt::join(names, "+"),
+                          crop.reversed ? " backwards" : "", crop.x, crop.y,
+                          crop.flip_x ? " flipped in x" : "", crop.flip_y ? " flipped in y" : "",
+                          crop.quarter_turns > 0 ? fmt::format(" turned {}", 90 * crop.quarter_turns) : "");
       if (options_.augmentation.exposure > 0) text += fmt::format(" times {:.4g}", crop.exposure);
-      if (!drawn.samples.empty()) text += fmt::format(" of samples {}", fmt::join(drawn.samples, " "));
+      for (size_t t = 0; t < drawn.size(); ++t)
+        if (!drawn[t].samples.empty())
+          text += fmt::format("{}{}", t == 0 ? " of samples " : ", ", fmt::join(drawn[t].samples, " "));
     }
   }
   return text;
 }
 
-FrameCrop TrainingSet::draw_crop(const FrameRef& ref, const Slot& slot, int samples) const {
-  RandomStream stream = slot.stream(options_.seed);
+/// One crop and turn for all frames of the clip, samples of its own for each.
+std::vector<FrameCrop> TrainingSet::draw_clip(const ClipRef& ref, const Slot& slot, int samples) const {
   FrameStore& store = *sets_[ref.set].store;
-  const std::shared_ptr<const PackedFrame> frame = store.get(ref.frame);
-  const Augmentation augmentation = random_augmentation(stream, *frame, options_.augmentation);
-  RandomStream which = slot.stream(options_.seed, kWhich);
-  SampleList drawn = samples == 0 ? SampleList() : draw_samples(which, frame->spp, samples);
-  auto checked = store.get_intact(ref.frame, frame, augmentation.tiles(), drawn);
-  return {std::move(checked), augmentation, std::move(drawn)};
+  Clip clip = clips_[ref.set][ref.clip];
+  std::vector<std::shared_ptr<const PackedFrame>> frames;
+  std::vector<const PackedFrame*> pointers;
+  for (const size_t index : clip) {
+    frames.push_back(store.get(index));
+    pointers.push_back(frames.back().get());
+  }
+  RandomStream stream = slot.stream(options_.seed);
+  const Augmentation augmentation = random_augmentation(stream, pointers, options_.augmentation);
+  if (augmentation.reversed) {
+    std::reverse(clip.begin(), clip.end());
+    std::reverse(frames.begin(), frames.end());
+  }
+  std::vector<FrameCrop> crops;
+  for (size_t t = 0; t < clip.size(); ++t) {
+    RandomStream which = slot.stream(options_.seed, kWhich, static_cast<uint32_t>(t));
+    SampleList drawn = samples == 0 ? SampleList() : draw_samples(which, frames[t]->spp, samples);
+    auto checked = store.get_intact(clip[t], frames[t], augmentation.tiles(), drawn);
+    crops.push_back({std::move(checked), augmentation, std::move(drawn)});
+  }
+  return crops;
 }
 
 }  // namespace ld

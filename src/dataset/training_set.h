@@ -1,6 +1,6 @@
-// Batches of augmented crops, a pure function of (seed, step): whoever resumes at step n sees the crops that
-// an uninterrupted run sees, whatever the number of threads that prepare them. A step that takes its crops in
-// several batches sees those of one large batch, in their order.
+// Batches of augmented crops of clips, a pure function of (seed, step): whoever resumes at step n sees the
+// crops that an uninterrupted run sees, whatever the number of threads that prepare them. A step that takes
+// its crops in several batches sees those of one large batch, in their order.
 #pragma once
 
 #include <torch/torch.h>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "dataset/clips.h"
 #include "dataset/epoch_plan.h"
 #include "dataset/frame_store.h"
 #include "dataset/input_tensors.h"
@@ -22,6 +23,7 @@ struct TrainingSetOptions {
   SampleRange samples;                // how many of a frame's samples a batch uses (dataset/sample_draw.h)
   std::vector<std::string> optional;  // features that crops may lack, each in a share `drop` of them
   double drop = 0;
+  int clip = 1;  // frames of each crop that follow one another (dataset/clips.h)
   int64_t batch = 4;
   int64_t accumulate = 1;  // batches a step
   uint64_t seed = 1;
@@ -43,8 +45,9 @@ struct WeightedStore {
 
 class TrainingSet {
  public:
-  /// Throws UsageError when there are fewer frames than a batch, a frame is smaller than the crop or has
-  /// fewer samples than `samples.least`, or there are more processes than crops in a batch.
+  /// Throws UsageError when a set has no clip, an epoch has fewer than a batch, a frame is smaller than the
+  /// crop or has fewer samples than `samples.least`, there are more processes than crops in a batch, or clips
+  /// are to run backwards whose `flow` tells the way to the frame before.
   TrainingSet(std::vector<WeightedStore> sets, std::vector<std::string> features, TrainingSetOptions options);
 
   /// What does not fill a step at the end of an epoch is left out of it; where a step takes more crops than
@@ -64,25 +67,27 @@ class TrainingSet {
     return static_cast<double>(part_.count) / static_cast<double>(options_.batch);
   }
 
-  /// Frame and crop of every slot of the batches first ... first + count - 1, for messages.
+  /// Frames and crop of every slot of the batches first ... first + count - 1, for messages.
   std::string describe(int64_t first, int64_t count) const;
 
  private:
   /// Where a crop stands among all those of its step: it decides the crop, whoever reads it.
   struct Slot {
     int64_t step, place;
-    RandomStream stream(uint64_t seed, uint32_t purpose = 0) const;
+    /// What is drawn for each frame of a clip comes from a stream of its own.
+    RandomStream stream(uint64_t seed, uint32_t purpose = 0, uint32_t frame = 0) const;
   };
   Slot slot_of(int64_t number, int64_t place) const;
-  std::vector<FrameRef> frames_of(int64_t number) const;
+  std::vector<ClipRef> clips_of_batch(int64_t number) const;
   int sample_count(int64_t number) const;
   void drop_features(Batch& batch, int64_t number) const;
-  FrameCrop draw_crop(const FrameRef& ref, const Slot& slot, int samples) const;
+  std::vector<FrameCrop> draw_clip(const ClipRef& ref, const Slot& slot, int samples) const;
 
   std::vector<WeightedStore> sets_;
   std::vector<std::string> features_;
   TrainingSetOptions options_;
   BatchPart part_;
+  std::vector<std::vector<Clip>> clips_;  // of each set
   EpochPlan plan_;
   Prefetch<Batch> batches_;  // last: its threads use the members above
 };

@@ -5,24 +5,37 @@
 #include <utility>
 
 #include "frame/frame_pair.h"
+#include "frame/sequence_runs.h"
 
 namespace ld {
 
 FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& split,
                         const std::vector<std::string>& features, size_t limit, int samples) {
-  std::vector<ManifestFrame> frames = frames_of_split(folder, split);
-  if (limit > 0 && frames.size() > limit) frames.resize(limit);
-
-  const size_t count = frames.size();
+  std::vector<ManifestFrame> by_name = frames_of_split(folder, split), frames;
+  if (limit > 0 && by_name.size() > limit) by_name.resize(limit);
+  const size_t count = by_name.size();
   std::vector<std::string> names;
-  for (const ManifestFrame& frame : frames) names.push_back(frame.name);
+  std::vector<SequencePlace> places;
+  int64_t number = 0;
+  for (const std::vector<size_t>& run : sequence_runs(by_name)) {
+    for (const size_t i : run) {
+      places.push_back({number, static_cast<int64_t>(frames.size())});
+      names.push_back(by_name[i].name);
+      frames.push_back(std::move(by_name[i]));
+    }
+    ++number;
+  }
   const auto warned = std::make_shared<std::vector<bool>>(count, false);
-  const auto load = [folder, features, samples, warned, frames = std::move(frames)](size_t i) {
+  const auto load = [folder, features, samples, warned, places, frames = std::move(frames)](size_t i) {
     FramePair pair = read_frame_pair(folder, frames[i], features, samples);
     if (!(*warned)[i]) warn_about_faults(folder, frames[i], pair);
     (*warned)[i] = true;
-    return EvaluationFrame{frames[i].name, std::move(pair.frame), std::move(pair.reference.image),
-                           std::move(pair.reference.floor), pair.place};
+    return EvaluationFrame{frames[i].name,
+                           std::move(pair.frame),
+                           std::move(pair.reference.image),
+                           std::move(pair.reference.floor),
+                           pair.place,
+                           places[i]};
   };
   return {count, load, std::move(names)};
 }

@@ -49,7 +49,8 @@ bool sweep_blurs(const FrameSet& frames, const EvaluatorOptions& options, BlurSw
 }
 
 /// `seconds` receives what denoising took; for a picture that is read, what its program noted, if it did.
-Image picture_of(const Method& method, const EvaluationFrame& frame, std::optional<double>& seconds) {
+Image picture_of(const Method& method, const EvaluationFrame& frame, SequenceState& state,
+                 std::optional<double>& seconds) {
   if (method.read) {
     const auto noted = method.seconds.find(frame.name);
     if (noted != method.seconds.end()) seconds = noted->second;
@@ -58,8 +59,9 @@ Image picture_of(const Method& method, const EvaluationFrame& frame, std::option
     place.extent.height = frame.frame.height;
     return method.read(frame.name, place);
   }
+  state.advance(frame.in_sequence, frame.frame.width, frame.frame.height);
   const auto start = std::chrono::steady_clock::now();
-  Image denoised = method.denoise(frame.frame);
+  Image denoised = method.denoise(frame.frame, state);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   seconds = elapsed.count();
   return denoised;
@@ -107,6 +109,7 @@ std::optional<Evaluation> evaluate(const FrameSet& frames, const std::vector<Met
 
   // Second pass: everything else, one frame in memory at a time.
   Progress progress("evaluating", static_cast<int64_t>(frames.count));
+  std::vector<SequenceState> states(methods.size());
   for (size_t i = 0; i < frames.count; ++i) {
     if (stop_requested()) return std::nullopt;
     const EvaluationFrame frame = frames.load(i);
@@ -122,7 +125,7 @@ std::optional<Evaluation> evaluate(const FrameSet& frames, const std::vector<Met
 
     for (size_t m = 0; m < methods.size(); ++m) {
       std::optional<double> seconds;
-      Image denoised = picture_of(methods[m], frame, seconds);
+      Image denoised = picture_of(methods[m], frame, states[m], seconds);
       FrameScores scores = score(methods[m].name, frame.name, denoised, frame.reference);
       scores.seconds = seconds;
       result.methods[2 + m].frames.push_back(std::move(scores));

@@ -9,18 +9,21 @@
 #include "evaluation/method.h"
 #include "evaluation/scores.h"
 #include "frame/frame.h"
+#include "frame/sequence_state.h"
 
 namespace ld {
 
 struct EvaluationFrame {
   std::string name;
-  Frame frame;                // sanitised
-  Image reference;            // [3, H, W], linear, of the frame's size
-  ReferenceFloor floor = {};  // of the reference
-  PicturePlace place = {};    // of the samples, where they come from a file
+  Frame frame;                                    // sanitised
+  Image reference;                                // [3, H, W], linear, of the frame's size
+  ReferenceFloor floor = {};                      // of the reference
+  PicturePlace place = {};                        // of the samples, where they come from a file
+  std::optional<SequencePlace> in_sequence = {};  // none: a still
 };
 
-/// Frames that are loaded when they are needed, each twice: once to choose the blur, once to score.
+/// Frames that are loaded when they are needed, each twice: once to choose the blur, once to score. Those of
+/// a sequence in its order, one sequence after the other.
 struct FrameSet {
   size_t count = 0;
   std::function<EvaluationFrame(size_t)> load;
@@ -40,11 +43,11 @@ struct EvaluatorOptions {
 };
 
 /// Methods `noisy` and `blur`, then `methods` in their order; the floor where all frames have one;
-/// Evaluation::data and split stay empty. A
-/// picture with NaN or infinite values scores NaN and is warned about. A stop signal ends it after the
-/// current frame: nothing is returned, because half a set's mean would mislead. Throws UsageError for bad
-/// method names; Error for an empty set, a reference or a denoised picture of another size, with the names of
-/// frame and method.
+/// Evaluation::data and split stay empty. Each method has one state, which starts anew where a frame does not
+/// follow the one before. A picture with NaN or infinite values scores NaN and is warned about. A stop signal
+/// ends it after the current frame: nothing is returned, because half a set's mean would mislead. Throws
+/// UsageError for bad method names; Error for an empty set, a reference or a denoised picture of another
+/// size, with the names of frame and method.
 std::optional<Evaluation> evaluate(const FrameSet& frames, const std::vector<Method>& methods,
                                    const EvaluatorOptions& options);
 

@@ -9,12 +9,15 @@
 #include "evaluation/scores.h"
 #include "frame/frame.h"
 #include "frame/picture_place.h"
+#include "frame/sequence_state.h"
 
 namespace ld {
 
 struct Method {
   std::string name;
-  std::function<Image(const Frame&)> denoise;  // linear radiance [3, H, W] of the frame's size
+  /// Linear radiance [3, H, W] of the frame's size. The state has been told of the frame; its memory is the
+  /// method's.
+  std::function<Image(const Frame&, SequenceState&)> denoise;
   MethodCost cost = {};
   /// Instead of `denoise`: the picture that another program made of the frame of this name, cut to its place.
   std::function<Image(const std::string& frame, const PicturePlace& place)> read = {};

@@ -67,6 +67,7 @@ class Run {
     const InputFrame input = read_input(task.inputs, job_.render, denoiser_.features(), job_.samples);
     const Frame& frame = input.frame;
     tell_what_was_taken(input);
+    state_.advance(task.place, frame.width, frame.height);
     const auto start = std::chrono::steady_clock::now();
     const Image image = denoiser_.denoise(frame, how_);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -89,6 +90,7 @@ class Run {
             {"width", frame.width},
             {"height", frame.height},
             {"spp", frame.spp},
+            {"history", state_.history()},
             {"seconds", seconds},
             {"peak_memory_mb", peak},
             {"input_memory_mb", samples},
@@ -96,6 +98,9 @@ class Run {
             {"mended_guides", input.faults.guides},
             {"negative_values", input.faults.negative}};
   }
+
+  /// What was remembered of the frames before it is of no use to the one after it.
+  void fail_frame() { state_.end(); }
 
   void finish_frame() {
     advance_to(kSteps);
@@ -205,6 +210,7 @@ class Run {
   std::string checksum_ = file_checksum(job_.model);
   Progress progress_;
   DenoiseOptions how_;
+  SequenceState state_;
   int64_t done_ = 0;
   bool told_ = false;
 };
@@ -231,6 +237,7 @@ DenoiseReport run_denoise_job(const DenoiseJob& job) {
       throw;  // it would be the same for every frame
     } catch (const Error& error) {
       if (job.tasks.size() == 1) throw;
+      run.fail_frame();
       spdlog::error("{}", error.what());
       report.failed.push_back(task.inputs[0].string());
       report.frames.push_back({{"input", report.failed.back()}, {"error", error.what()}});

@@ -41,10 +41,12 @@ struct DenoiseReport {
   size_t finished() const { return frames.size() - failed.size() + static_cast<size_t>(skipped); }
 };
 
-/// Frame after frame, with progress; ends early, with whole files only, when a stop is requested
-/// (core/signals.h). In a sequence a frame that fails does not keep the others from being done. Throws Error
-/// as Denoiser, read_input() and write_picture() say; UsageError, before anything is denoised, for parts that
-/// the network or the format of the output cannot have.
+/// Frame after frame, with progress, and with one state that starts anew where a frame does not follow the
+/// one before: at the first of a sequence, and after one that is missing, failed or was left alone. How many
+/// frames before it a frame follows stands in the report as `history`. Ends early, with whole files only,
+/// when a stop is requested (core/signals.h). In a sequence a frame that fails does not keep the others from
+/// being done. Throws Error as Denoiser, read_input() and write_picture() say; UsageError, before anything is
+/// denoised, for parts that the network or the format of the output cannot have.
 DenoiseReport run_denoise_job(const DenoiseJob& job);
 
 }  // namespace ld

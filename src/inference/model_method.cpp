@@ -30,7 +30,8 @@ MethodCost cost_of(const LoadedModel& model, const Frame& frame) {
 
 Method method_of(const LoadedModel& model, const MethodCost& cost) {
   const std::shared_ptr<const Denoiser> denoiser = model.denoiser;
-  return {model.argument.name, [denoiser](const Frame& frame) { return denoiser->denoise(frame); }, cost};
+  return {model.argument.name,
+          [denoiser](const Frame& frame, SequenceState&) { return denoiser->denoise(frame); }, cost};
 }
 
 }  // namespace ld

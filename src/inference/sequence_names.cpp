@@ -162,20 +162,19 @@ std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, c
   if (range && !numbered) fail_usage("--frames needs inputs with #### for the frame's number");
 
   std::vector<DenoiseTask> tasks;  // outputs still to come
-  std::vector<int64_t> numbers;
   if (!numbered) {
     if (samples_of_one) tasks.push_back({{inputs.begin(), inputs.end()}, {}});
     if (!samples_of_one)
       for (const std::string& input : inputs) tasks.push_back({{input}, {}});
   } else {
-    numbers = frames_of(patterns, range, inputs[0]);
-    for (const int64_t number : numbers) {
-      if (samples_of_one) tasks.push_back({});
-      for (const NamePattern& pattern : patterns) {
-        if (!samples_of_one) tasks.push_back({});
-        tasks.back().inputs.push_back(pattern.of(number));
+    const std::vector<int64_t> numbers = frames_of(patterns, range, inputs[0]);
+    const size_t together = samples_of_one ? patterns.size() : 1;  // patterns of one sequence
+    for (size_t first = 0; first < patterns.size(); first += together)
+      for (const int64_t number : numbers) {
+        tasks.push_back({{}, {}, SequencePlace{static_cast<int64_t>(first), number}});
+        for (size_t i = first; i < first + together; ++i)
+          tasks.back().inputs.push_back(patterns[i].of(number));
       }
-    }
   }
 
   const bool folder =
@@ -197,7 +196,7 @@ std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, c
         inputs.size(), output);
   for (size_t i = 0; i < tasks.size(); ++i) {
     if (target.digits > 0)
-      tasks[i].output = target.of(numbers[i]);
+      tasks[i].output = target.of(tasks[i].place->position);
     else if (folder)
       tasks[i].output = fs::path(output) / tasks[i].inputs[0].filename();
     else

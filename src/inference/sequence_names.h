@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "frame/sequence_state.h"
+
 namespace ld {
 
 /// Frames first to last - 1.
@@ -28,13 +30,15 @@ std::filesystem::path first_file(const std::vector<std::string>& inputs,
 struct DenoiseTask {
   std::vector<std::filesystem::path> inputs;  // files of its samples
   std::filesystem::path output;
+  std::optional<SequencePlace> place = {};  // which #### and the frame's number; none: a still
 };
 
 /// `####` in the name of an input (not of its folder) stands for the frame's number in at least so many
 /// digits; the frames are those of `range`, else those that there are files of, of every such input. Inputs
 /// without it are pictures of their own, or, with `samples_of_one`, the samples of one: then each input names
 /// one or more files of every picture. `output` is a file for one picture, may have #### too, and is a folder
-/// for several pictures, which are then named like their first input. In the order of frames.
+/// for several pictures, which are then named like their first input. Sequence by sequence, each in the order
+/// of its frames.
 ///
 /// Throws UsageError: patterns beside plain names, a range without a pattern, no number to tell pictures
 /// apart, two pictures with one output, an output that is an input.

@@ -97,11 +97,12 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
         {std::make_unique<FrameStore>(set.path, "train", config.network.features, cache), set.weight});
   TrainingSetOptions options;
   options.augmentation = {
-      static_cast<int>(data.crop),       data.flips,  data.rotations, static_cast<int>(data.difficulty),
-      static_cast<float>(data.exposure), data.colours};
+      static_cast<int>(data.crop),       data.flips,   data.rotations, static_cast<int>(data.difficulty),
+      static_cast<float>(data.exposure), data.colours, data.reversal};
   options.samples = sample_range(data);
   options.drop = data.drop;
   options.optional = config.network.optional;
+  options.clip = static_cast<int>(data.clip);
   options.batch = data.batch;
   options.accumulate = config.optimizer.accumulate;
   options.seed = config.seed;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "dataset/input_tensors.h"
+#include "frame/sequence_runs.h"
 #include "metrics/metric.h"
 
 namespace ld {
@@ -30,8 +31,21 @@ Batch whole_frame(FrameStore& store, size_t index, const std::vector<std::string
 
 Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures, int samples)
     : stores_(std::move(stores)), pictures_(pictures), samples_(samples) {
-  for (const std::unique_ptr<FrameStore>& store : stores_)
-    for (size_t i = 0; i < store->size(); ++i) frames_.push_back({store.get(), i});
+  for (const std::unique_ptr<FrameStore>& store : stores_) {
+    const size_t first = frames_.size();
+    std::vector<ManifestFrame> frames;
+    for (size_t i = 0; i < store->size(); ++i) {
+      frames.push_back(store->frame(i));
+      frames_.push_back({store.get(), i, {}});
+    }
+    for (std::vector<size_t>& run : sequence_runs(frames)) {
+      for (size_t i = 0; i < run.size(); ++i) {
+        run[i] += first;
+        frames_[run[i]].place = {static_cast<int64_t>(sequences_.size()), static_cast<int64_t>(i)};
+      }
+      sequences_.push_back(std::move(run));
+    }
+  }
 }
 
 int64_t Validation::pixels() const {
@@ -41,41 +55,61 @@ int64_t Validation::pixels() const {
   return sum;
 }
 
-/// Evenly spread ones of the frames that rank 0 validates on are shown.
-bool Validation::is_shown(size_t frame, const ProcessGroup& group) const {
-  const auto size = static_cast<size_t>(group.size());
-  if (!group.is_root() || frame % size != 0) return false;
-  const size_t own = (frames_.size() + size - 1) / size, turn = frame / size;
-  const size_t shown = std::min(static_cast<size_t>(pictures_), own);
-  for (size_t i = 0; i < shown; ++i)
-    if (turn == i * own / shown) return true;
-  return false;
+std::vector<size_t> Validation::frames_of(const ProcessGroup& group) const {
+  std::vector<size_t> own;
+  for (auto i = static_cast<size_t>(group.rank()); i < sequences_.size();
+       i += static_cast<size_t>(group.size()))
+    own.insert(own.end(), sequences_[i].begin(), sequences_[i].end());
+  return own;
+}
+
+/// Of the frames of rank 0, evenly spread ones.
+std::set<size_t> Validation::shown(const ProcessGroup& group) const {
+  std::set<size_t> frames;
+  if (!group.is_root()) return frames;
+  const std::vector<size_t> own = frames_of(group);
+  const size_t count = std::min(static_cast<size_t>(pictures_), own.size());
+  for (size_t i = 0; i < count; ++i) frames.insert(own[i * own.size() / count]);
+  return frames;
 }
 
 std::optional<ValidationResult> Validation::run(Network& network, const Loss& loss, ProcessGroup& group,
+                                                const std::function<bool()>& stop) const {
+  const Denoise forward = [&](NetworkInput input, SequenceState&) {
+    return network.forward(std::move(input));
+  };
+  return run(forward, network.config().features, loss, group, stop);
+}
+
+std::optional<ValidationResult> Validation::run(const Denoise& denoise,
+                                                const std::vector<std::string>& features, const Loss& loss,
+                                                ProcessGroup& group,
                                                 const std::function<bool()>& stop) const {
   const torch::NoGradGuard no_graph;
   ValidationResult result;
   // One row for each frame; each process fills the rows of its own frames.
   const auto columns = static_cast<int64_t>(1 + metrics().size());
   const torch::Tensor table = torch::zeros({static_cast<int64_t>(frames_.size()), columns}, torch::kFloat64);
+  const std::set<size_t> shown_frames = shown(group);
+  SequenceState state;
   bool stopped = false;
-  for (auto i = static_cast<size_t>(group.rank()); i < frames_.size();
-       i += static_cast<size_t>(group.size())) {
+  for (const size_t i : frames_of(group)) {
     stopped = stop();
     if (stopped) break;
     const FrameOf& frame = frames_[i];
-    Batch batch = whole_frame(*frame.store, frame.index, network.config().features, samples_);
+    Batch batch = whole_frame(*frame.store, frame.index, features, samples_);
     ValidationPicture picture;
     picture.name = frame.store->name(frame.index);
-    if (is_shown(i, group)) picture.noisy = mean_of_samples(batch.input);
-    const torch::Tensor denoised = network.forward(std::move(batch.input));
+    const bool is_shown = shown_frames.count(i) > 0;
+    if (is_shown) picture.noisy = mean_of_samples(batch.input);
+    state.advance(frame.place, frame.store->width(frame.index), frame.store->height(frame.index));
+    const torch::Tensor denoised = denoise(std::move(batch.input), state);
     double* row = table[static_cast<int64_t>(i)].data_ptr<double>();
     *row++ = loss(denoised, batch.reference).item<double>();
     picture.denoised = to_image(denoised.squeeze(0));
     picture.reference = to_image(batch.reference.squeeze(0));
     for (const Metric& metric : metrics()) *row++ = metric.compute(picture.denoised, picture.reference);
-    if (is_shown(i, group)) result.pictures.push_back(std::move(picture));
+    if (is_shown) result.pictures.push_back(std::move(picture));
   }
   if (group.any(stopped, "validating")) return std::nullopt;
   group.sum({table}, "validating");

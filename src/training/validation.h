@@ -1,4 +1,4 @@
-// Loss and metrics on whole frames that are not trained on.
+// Loss and metrics on whole frames that are not trained on, sequence by sequence.
 #pragma once
 
 #include <cstdint>
@@ -6,11 +6,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "dataset/frame_store.h"
 #include "frame/frame.h"
+#include "frame/sequence_state.h"
 #include "losses/loss.h"
 #include "models/network.h"
 #include "training/distributed/process_group.h"
@@ -30,6 +32,9 @@ struct ValidationResult {
 
 class Validation {
  public:
+  /// A frame of one [1, S, ...], denoised [1, 3, H, W]. The state has been told of the frame.
+  using Denoise = std::function<torch::Tensor(NetworkInput input, SequenceState& state)>;
+
   /// Up to `pictures` frames, spread evenly, are kept for looking at. Each frame enters with its first
   /// `samples` samples, or all that it has where these are fewer; 0: all.
   Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures, int samples = 0);
@@ -39,20 +44,29 @@ class Validation {
   size_t frames() const { return frames_.size(); }
   int64_t pixels() const;  // of all frames together
 
-  /// The frames are divided among the processes; the scores are the same whatever their number. Rank 0 has
+  /// The sequences are divided among the processes; the scores are the same whatever their number. Rank 0 has
   /// the pictures. nullopt when `stop` became true on any process between two frames.
   std::optional<ValidationResult> run(Network& network, const Loss& loss, ProcessGroup& group,
+                                      const std::function<bool()>& stop) const;
+
+  /// The same for whatever denoises frames of these features in the order of their sequence.
+  std::optional<ValidationResult> run(const Denoise& denoise, const std::vector<std::string>& features,
+                                      const Loss& loss, ProcessGroup& group,
                                       const std::function<bool()>& stop) const;
 
  private:
   struct FrameOf {
     FrameStore* store;
     size_t index;
+    SequencePlace place;
   };
-  bool is_shown(size_t frame, const ProcessGroup& group) const;
+  /// The frames of a process, by their numbers in the order in which it denoises them.
+  std::vector<size_t> frames_of(const ProcessGroup& group) const;
+  std::set<size_t> shown(const ProcessGroup& group) const;
 
   std::vector<std::unique_ptr<FrameStore>> stores_;
-  std::vector<FrameOf> frames_;  // of all stores
+  std::vector<FrameOf> frames_;                 // of all stores
+  std::vector<std::vector<size_t>> sequences_;  // of frames_ (frame/sequence_runs.h); stills are their own
   int64_t pictures_;
   int samples_;
 };

@@ -81,7 +81,7 @@ TEST(Augmentation, RandomOnesCoverTheFrameAndStayInside) {
   int flips = 0, left = 0, right = 0, turns[4] = {};
   for (uint32_t i = 0; i < 2000; ++i) {
     RandomStream stream(1, RandomPurpose::augmentation, i);
-    const Augmentation a = random_augmentation(stream, frame, {8, true, true, 1, 0});
+    const Augmentation a = random_augmentation(stream, {&frame}, {8, true, true, 1, 0});
     ASSERT_TRUE(a.x >= 0 && a.x + a.width <= 20 && a.y >= 0 && a.y + a.height <= 10);
     ASSERT_TRUE(a.width == 8 && a.height == 8);
     ASSERT_EQ(a.exposure, 1);
@@ -95,7 +95,7 @@ TEST(Augmentation, RandomOnesCoverTheFrameAndStayInside) {
   EXPECT_GT(right, 50);
   for (const int count : turns) EXPECT_NEAR(count, 500, 120);
   RandomStream stream(1, RandomPurpose::augmentation);
-  const Augmentation plain = random_augmentation(stream, frame, {32, false, false, 1, 0});
+  const Augmentation plain = random_augmentation(stream, {&frame}, {32, false, false, 1, 0});
   EXPECT_FALSE(plain.flip_x || plain.flip_y);
   EXPECT_EQ(plain.quarter_turns, 0);
   EXPECT_EQ(plain.width, 20);
@@ -108,8 +108,8 @@ TEST(Augmentation, ExposureIsUniformInStopsAndChangesNoCrop) {
   float low = 1, high = 1;
   for (uint32_t i = 0; i < 2000; ++i) {
     RandomStream stream(1, RandomPurpose::augmentation, i), same(1, RandomPurpose::augmentation, i);
-    const Augmentation a = random_augmentation(stream, frame, {8, true, true, 1, 2});
-    const Augmentation plain = random_augmentation(same, frame, {8, true, true, 1, 0});
+    const Augmentation a = random_augmentation(stream, {&frame}, {8, true, true, 1, 2});
+    const Augmentation plain = random_augmentation(same, {&frame}, {8, true, true, 1, 0});
     ASSERT_TRUE(a.x == plain.x && a.y == plain.y && a.flip_x == plain.flip_x &&
                 a.quarter_turns == plain.quarter_turns);
     brighter += a.exposure > 2;  // the upper quarter
@@ -128,8 +128,8 @@ TEST(Augmentation, ColoursComeInAllOrdersAndChangeNothingElse) {
   std::map<std::array<int, 3>, int> orders;
   for (uint32_t i = 0; i < 1200; ++i) {
     RandomStream stream(1, RandomPurpose::augmentation, i), same(1, RandomPurpose::augmentation, i);
-    Augmentation a = random_augmentation(stream, frame, {8, true, true, 2, 1, true});
-    const Augmentation plain = random_augmentation(same, frame, {8, true, true, 2, 1, false});
+    Augmentation a = random_augmentation(stream, {&frame}, {8, true, true, 2, 1, true});
+    const Augmentation plain = random_augmentation(same, {&frame}, {8, true, true, 2, 1, false});
     ++orders[a.colours];
     ASSERT_TRUE(a.x == plain.x && a.y == plain.y && a.flip_x == plain.flip_x &&
                 a.quarter_turns == plain.quarter_turns && a.exposure == plain.exposure);
@@ -151,7 +151,7 @@ TEST(Augmentation, DifficultyPrefersTheNoisyHalf) {
     int count = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
       RandomStream stream(1, RandomPurpose::augmentation, i);
-      count += random_augmentation(stream, packed, {16, true, true, candidates, 0}).x >= 24;
+      count += random_augmentation(stream, {&packed}, {16, true, true, candidates, 0}).x >= 24;
     }
     return count;
   };
@@ -159,6 +159,49 @@ TEST(Augmentation, DifficultyPrefersTheNoisyHalf) {
   EXPECT_GT(right_half(noisy, 4), 800);
   EXPECT_GT(right_half(noisy, 16), 900);
   EXPECT_NEAR(right_half(calm, 4), 510, 60);  // nothing to choose by
+  // Of a clip, the frames together: one that is calm changes nothing.
+  RandomStream one(1, RandomPurpose::augmentation), two(1, RandomPurpose::augmentation);
+  const Augmentation of_clip = random_augmentation(two, {&calm, &noisy}, {16, true, true, 16, 0});
+  EXPECT_EQ(of_clip.x, random_augmentation(one, {&noisy}, {16, true, true, 16, 0}).x);
+  EXPECT_EQ(one.bits(), two.bits());
+}
+
+TEST(Augmentation, HalfOfTheClipsRunBackwardsWhereAskedAndNothingElseChanges) {
+  const PackedFrame frame = pack(random_frame(20, 10, 1));
+  int reversed = 0;
+  for (uint32_t i = 0; i < 1000; ++i) {
+    RandomStream stream(1, RandomPurpose::augmentation, i), same(1, RandomPurpose::augmentation, i);
+    const Augmentation a = random_augmentation(stream, {&frame}, {8, true, true, 1, 1, true, true});
+    const Augmentation plain = random_augmentation(same, {&frame}, {8, true, true, 1, 1, true, false});
+    reversed += a.reversed;
+    ASSERT_FALSE(plain.reversed);
+    ASSERT_TRUE(a.x == plain.x && a.y == plain.y && a.flip_x == plain.flip_x && a.colours == plain.colours &&
+                a.quarter_turns == plain.quarter_turns && a.exposure == plain.exposure);
+  }
+  EXPECT_NEAR(reversed, 500, 80);
+}
+
+// A sample that was never drawn stays 0.
+TEST(Augmentation, BackwardsTheMotionIsTheOppositeAndTheTimeTheRest) {
+  Frame frame = random_frame(2, 1, 1);
+  frame.valid[1] = 0;
+  sanitise(frame);
+  const int motion = find_feature("motion").offset, time = find_feature("time").offset;
+  frame.plane(0, motion)[0] = 16;
+  frame.plane(0, motion + 1)[0] = 0;
+  frame.plane(0, time)[0] = 0.25F;
+  Augmentation back = whole_frame(2, 1, false, false, 0);
+  const Frame before = crop_of(pack(frame), back).frame;
+  back.reversed = true;
+  const Frame after = crop_of(pack(frame), back).frame;
+  for (int c = 0; c < channel_count(frame.features); ++c)
+    for (int x = 0; x < 2; ++x) {
+      const float was = before.plane(0, c)[x], is = after.plane(0, c)[x];
+      const bool moves = c == motion || c == motion + 1;
+      EXPECT_EQ(is, moves ? -was : (c == time && x == 0 ? 0.75F : was)) << c;
+    }
+  EXPECT_EQ(after.plane(0, motion)[0], -0.5F);
+  EXPECT_FALSE(std::signbit(after.plane(0, motion + 1)[0]));
 }
 
 }  // namespace

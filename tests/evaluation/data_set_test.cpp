@@ -53,6 +53,38 @@ TEST_F(DataSetOnDisk, LoadsTheFramesOfTheSplitInOrder) {
   EXPECT_EQ(open_frame_set(folder_.path(), "train", {"radiance"}, 9).count, 1U);
 }
 
+TEST_F(DataSetOnDisk, FramesOfASequenceComeInItsOrder) {
+  Manifest manifest;
+  const std::vector<std::pair<int, int>> places = {{5, 1}, {5, 0}, {5, 3}, {4, 0}, {5, 0}};
+  for (size_t i = 0; i < places.size(); ++i) {
+    const EvaluationFrame frame = noisy_frame("s" + std::to_string(i), 6, 5, 1, static_cast<int>(i));
+    write_frame(frame_path(folder_ / "s", frame.name), frame.frame);
+    write_image(reference_path(folder_ / "s", frame.name), frame.reference);
+    ManifestFrame entry;
+    entry.name = frame.name;
+    entry.split = "test";
+    entry.sequence = places[i].first;
+    entry.position = places[i].second;
+    manifest.frames.push_back(entry);
+  }
+  add_to_manifest(folder_ / "s", manifest);
+  const auto walk = [&](size_t limit) {
+    const FrameSet frames = open_frame_set(folder_ / "s", "test", {"radiance"}, limit);
+    SequenceState state;
+    std::string text;
+    for (size_t i = 0; i < frames.count; ++i) {
+      const EvaluationFrame frame = frames.load(i);
+      EXPECT_EQ(frame.name, frames.names[i]);
+      state.advance(frame.in_sequence, frame.frame.width, frame.frame.height);
+      text += fmt::format("{} {}, ", frame.name, state.history());
+    }
+    return text;
+  };
+  EXPECT_EQ(walk(0), "s1 0, s0 1, s2 0, s3 0, s4 0, ") << "s4 is another noise instance of s1";
+  EXPECT_EQ(walk(2), "s1 0, s0 1, ");
+  EXPECT_EQ(walk(1), "s0 0, ");
+}
+
 TEST_F(DataSetOnDisk, ReadsTheFirstSamplesOnRequest) {
   const EvaluationFrame all = open_frame_set(folder_.path(), "test", {"radiance"}, 0).load(1),
                         one = open_frame_set(folder_.path(), "test", {"radiance"}, 0, 1).load(1);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
@@ -22,7 +23,7 @@ FrameSet three_frames() {
           }};
 }
 
-Image first_sample(const Frame& frame) {
+Image first_sample(const Frame& frame, SequenceState&) {
   Image image(frame.width, frame.height, 3);
   std::copy(frame.plane(0, 0), frame.plane(0, 3), image.pixels.begin());
   return image;
@@ -50,19 +51,20 @@ TEST(Evaluator, TellsTheFloorWhereAllReferencesHaveOne) {
 
 TEST(Evaluator, ScoresBaselinesAndMethodsAsTheMetricsDoFrameByFrame) {
   const FrameSet frames = three_frames();
-  const std::vector<Method> methods = {{"first sample", first_sample}, {"mean", mean_radiance}};
+  const std::vector<Method> methods = {{"first sample", first_sample}, {"mean", mean_of_samples}};
   const auto result = evaluate(frames, methods, {});
   ASSERT_TRUE(result);
   ASSERT_EQ(result->methods.size(), 4U);
   EXPECT_EQ(result->methods[0].name, "noisy");
   EXPECT_EQ(result->methods[1].name, "blur");
   EXPECT_EQ(result->methods[2].name, "first sample");
+  SequenceState state;
   for (size_t m = 0; m < metrics().size(); ++m) {
     double sum = 0;
     for (size_t f = 0; f < 3; ++f) {
       const EvaluationFrame frame = frames.load(f);
       const double noisy = metrics()[m].compute(mean_radiance(frame.frame), frame.reference);
-      const double first = metrics()[m].compute(first_sample(frame.frame), frame.reference);
+      const double first = metrics()[m].compute(first_sample(frame.frame, state), frame.reference);
       EXPECT_EQ(result->method("noisy").frames[f].values[m], noisy);
       EXPECT_EQ(result->method("mean").frames[f].values[m], noisy);
       EXPECT_EQ(result->method("first sample").frames[f].values[m], first);
@@ -79,7 +81,7 @@ TEST(Evaluator, ScoresBaselinesAndMethodsAsTheMetricsDoFrameByFrame) {
 }
 
 TEST(Evaluator, TimesTheMethodsAndNotTheBaselines) {
-  const auto result = evaluate(three_frames(), {{"mean", mean_radiance}}, {});
+  const auto result = evaluate(three_frames(), {{"mean", mean_of_samples}}, {});
   EXPECT_FALSE(result->method("noisy").mean_seconds());
   EXPECT_FALSE(result->method("blur").mean_seconds());
   ASSERT_TRUE(result->method("mean").mean_seconds());
@@ -97,14 +99,44 @@ TEST(Evaluator, HandsOutThePicturesOfEachFrameInOrder) {
     }
     seen.push_back(line);
   };
-  ASSERT_TRUE(evaluate(three_frames(), {{"a", mean_radiance}, {"b", first_sample}}, options));
+  ASSERT_TRUE(evaluate(three_frames(), {{"a", mean_of_samples}, {"b", first_sample}}, options));
   EXPECT_EQ(seen, (std::vector<std::string>{"0 frame_0: noisy blur a b reference",
                                             "1 frame_1: noisy blur a b reference",
                                             "2 frame_2: noisy blur a b reference"}));
 }
 
+/// What it did at each frame: "a" alone, "a b" where it remembers a at b.
+Method remembering(const std::string& name, std::vector<std::string>& seen) {
+  return {
+      name, [name, &seen](const Frame& frame, SequenceState& state) {
+        const std::string before = state.memory.has_value() ? std::any_cast<std::string>(state.memory) : "";
+        state.memory = before + (before.empty() ? "" : " ") + frame.info.scene;
+        seen.push_back(name + ": " + std::any_cast<std::string>(state.memory));
+        EXPECT_EQ(state.history(), std::count(before.begin(), before.end(), ' ') + (before.empty() ? 0 : 1));
+        return mean_radiance(frame);
+      }};
+}
+
+TEST(Evaluator, GivesEachMethodItsOwnStateThatRestartsAtHoles) {
+  const std::vector<std::optional<SequencePlace>> places = {
+      SequencePlace{0, 0}, SequencePlace{0, 1}, SequencePlace{0, 3}, SequencePlace{1, 4},
+      SequencePlace{1, 5}, std::nullopt,        std::nullopt,        SequencePlace{1, 6}};
+  const FrameSet frames = {places.size(), [&](size_t i) {
+                             EvaluationFrame frame = noisy_frame("", 12, 12, 1, static_cast<int>(i));
+                             frame.frame.info.scene = std::to_string(i);
+                             frame.in_sequence = places[i];
+                             return frame;
+                           }};
+  std::vector<std::string> seen;
+  const std::vector<Method> methods = {remembering("a", seen), remembering("b", seen)};
+  ASSERT_TRUE(evaluate(frames, methods, {}));
+  EXPECT_EQ(seen,
+            (std::vector<std::string>{"a: 0", "b: 0", "a: 0 1", "b: 0 1", "a: 2", "b: 2", "a: 3", "b: 3",
+                                      "a: 3 4", "b: 3 4", "a: 5", "b: 5", "a: 6", "b: 6", "a: 7", "b: 7"}));
+}
+
 TEST(Evaluator, ABrokenPictureIsCountedAndSpoilsTheMeanInsteadOfHiding) {
-  const auto broken_on_second = [](const Frame& frame) {
+  const auto broken_on_second = [](const Frame& frame, SequenceState&) {
     Image image = mean_radiance(frame);
     if (frame.width == 27) image.pixels[4] = image.pixels[9] = std::numeric_limits<float>::quiet_NaN();
     return image;
@@ -122,7 +154,7 @@ TEST(Evaluator, ABrokenPictureIsCountedAndSpoilsTheMeanInsteadOfHiding) {
 }
 
 TEST(Evaluator, SizesThatDifferNameFrameAndMethod) {
-  const auto small = [](const Frame&) { return Image(5, 4, 3); };
+  const auto small = [](const Frame&, SequenceState&) { return Image(5, 4, 3); };
   const std::string denoised = message_of([&] { evaluate(three_frames(), {{"small", small}}, {}); });
   EXPECT_NE(denoised.find("small, frame frame_0: the denoised picture is 5x4, its reference 24x20"),
             std::string::npos)
@@ -158,8 +190,8 @@ TEST(EvaluatorDeathTest, AStopSignalEndsItAfterTheFrameWithoutAResult) {
 
 TEST(Evaluator, AnEmptySetAndBadNamesAreErrors) {
   EXPECT_NE(message_of([] { evaluate({0, nullptr}, {}, {}); }).find("no frame"), std::string::npos);
-  EXPECT_THROW(evaluate(three_frames(), {{"noisy", mean_radiance}}, {}), UsageError);
-  EXPECT_THROW(evaluate(three_frames(), {{"a", mean_radiance}, {"a", mean_radiance}}, {}), UsageError);
+  EXPECT_THROW(evaluate(three_frames(), {{"noisy", mean_of_samples}}, {}), UsageError);
+  EXPECT_THROW(evaluate(three_frames(), {{"a", mean_of_samples}, {"a", mean_of_samples}}, {}), UsageError);
 }
 
 }  // namespace

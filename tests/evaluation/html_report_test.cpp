@@ -107,7 +107,7 @@ size_t count_of(const std::string& text, const std::string& part) {
 }
 
 TEST(HtmlReport, IsOneFileThatForbidsItselfTheNetwork) {
-  const std::string page = report_of(3, 20, 16, {{"mean", mean_radiance}}, {});
+  const std::string page = report_of(3, 20, 16, {{"mean", mean_of_samples}}, {});
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   for (const std::string& outside :
        std::vector<std::string>{"http://", "https://", "src=", "@import", "url("}) {
@@ -116,12 +116,12 @@ TEST(HtmlReport, IsOneFileThatForbidsItselfTheNetwork) {
   }
   EXPECT_EQ(count_of(page, "id=\"picture-"), 3U * 4);
   EXPECT_EQ(page.find("{{"), std::string::npos);
-  EXPECT_EQ(page, report_of(3, 20, 16, {{"mean", mean_radiance}}, {})) << "the same bytes again";
+  EXPECT_EQ(page, report_of(3, 20, 16, {{"mean", mean_of_samples}}, {})) << "the same bytes again";
 }
 
 TEST(HtmlReport, NamesAreDataAndNeverElements) {
   const std::string page =
-      report_of(1, 8, 8, {{"</script><img src=x>", mean_radiance}}, {}, "<!--<script>\xff");
+      report_of(1, 8, 8, {{"</script><img src=x>", mean_of_samples}}, {}, "<!--<script>\xff");
   EXPECT_EQ(page.find("<img"), std::string::npos);
   EXPECT_EQ(page.find("<!--"), std::string::npos);
   EXPECT_EQ(page.find("<set>"), std::string::npos);

@@ -34,6 +34,11 @@ inline EvaluationFrame noisy_frame(const std::string& name, int width, int heigh
   return result;
 }
 
+/// The least of all methods.
+inline Image mean_of_samples(const Frame& frame, SequenceState&) {
+  return mean_radiance(frame);
+}
+
 /// What an Error said, "" when none was thrown.
 inline std::string message_of(const std::function<void()>& body) {
   try {

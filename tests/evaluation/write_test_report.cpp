@@ -9,7 +9,7 @@
 namespace {
 
 /// 0.25, 0.5 and 2 everywhere, except one NaN and one very bright pixel.
-ld::Image flat_picture(const ld::Frame& frame) {
+ld::Image flat_picture(const ld::Frame& frame, ld::SequenceState&) {
   ld::Image image(frame.width, frame.height, 3);
   for (size_t i = 0; i < image.plane_size(); ++i) {
     image.plane(0)[i] = 0.25F;
@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
     report.add(f, name, pictures);
   };
   std::optional<ld::Evaluation> evaluation =
-      ld::evaluate(frames, {flat, {"mean", ld::mean_radiance}}, evaluator);
+      ld::evaluate(frames, {flat, {"mean", ld::mean_of_samples}}, evaluator);
   if (!evaluation) return 1;
   evaluation->data = "data & <more>";
   evaluation->split = "test";

@@ -218,6 +218,36 @@ TEST_F(DenoiseProgram, DoesTheOthersOfASequenceWhenAFrameIsMissing) {
   fs::remove(path("in.0003.exr"));
 }
 
+// Frames of a sequence are told how many come right before them, and give the pictures that they give alone.
+TEST_F(DenoiseProgram, WalksASequenceAndRestartsAtHoles) {
+  for (const int frame : {1, 2, 3, 5, 6, 7, 8})
+    write_frame(path(fmt::format("walk.{}.exr", frame)),
+                random_frame(frame == 8 ? 9 : 12, 9, 2, uint32_t(frame)));
+  write_file_atomically(path("walk.6.exr"), "no frame");
+  const auto histories = [](const DenoiseReport& report) {
+    std::string text;
+    for (const auto& frame : report.frames)
+      text += (frame.contains("error") ? "failed" : frame["history"].dump()) + " ";
+    return text;
+  };
+  DenoiseJob walk = job("walk.#.exr", "walked.#.exr");
+  EXPECT_EQ(histories(run_denoise_job(walk)), "0 1 2 0 failed 0 0 ") << "4 is missing, 6 broken, 8 smaller";
+  for (const int frame : {1, 2, 3, 5, 7, 8}) {
+    const std::string alone = path(fmt::format("alone.{}.exr", frame));
+    const DenoiseReport still =
+        run_denoise_job(job(fmt::format("walk.{}.exr", frame), fmt::format("alone.{}.exr", frame)));
+    EXPECT_EQ(still.frames[0]["history"], 0);
+    EXPECT_EQ(read_file(path(fmt::format("walked.{}.exr", frame))), read_file(alone)) << frame;
+  }
+  fs::remove(path("walked.2.exr"));
+  fs::remove(path("walked.3.exr"));
+  walk.skip_existing = true;
+  EXPECT_EQ(histories(run_denoise_job(walk)), "0 1 failed ") << "1 was left alone";
+  walk = job("walk.#.exr", "walked.#.exr", "layer", FrameRange{2, 5});
+  EXPECT_EQ(histories(run_denoise_job(walk)), "0 1 failed ") << "1 is outside of the range";
+  fs::remove(path("walk.6.exr"));
+}
+
 TEST_F(DenoiseProgram, TakesRendersThroughAPreset) {
   const fs::path fixtures = fs::path(LD_SOURCE_DIR) / "tests/fixtures/import/cycles";
   DenoiseJob renders;

@@ -78,6 +78,23 @@ TEST_F(FrameSequence, SeveralInputsAreSeveralPicturesOrTheSamplesOfOne) {
   EXPECT_EQ(plan({"a.0007.exr"}, "new/")[0].output, in("new/a.0007.exr"));
 }
 
+TEST_F(FrameSequence, SequenceAfterSequenceWithThePlacesOfTheirFrames) {
+  const auto places = [](const std::vector<DenoiseTask>& tasks) {
+    std::string text;
+    for (const DenoiseTask& task : tasks)
+      text += fmt::format(
+          "{} {}, ", task.inputs[0].filename().string(),
+          task.place ? fmt::format("{}/{}", task.place->sequence, task.place->position) : "still");
+    return text;
+  };
+  const FrameRange range = {7, 9};
+  EXPECT_EQ(places(plan({"a.####.exr", "b.####.exr"}, "out", range)),
+            "a.0007.exr 0/7, a.0008.exr 0/8, b.0007.exr 1/7, b.0008.exr 1/8, ");
+  EXPECT_EQ(places(plan({"a.####.exr", "b.####.exr"}, "out", range, true)),
+            "a.0007.exr 0/7, a.0008.exr 0/8, ");
+  EXPECT_EQ(places(plan({"a.0007.exr", "a.0008.exr"}, "out")), "a.0007.exr still, a.0008.exr still, ");
+}
+
 TEST_F(FrameSequence, RefusesWhatWouldOverwriteOrCannotBeToldApart) {
   EXPECT_ERROR(plan({"a.0007.exr"}, "a.0007.exr"), "one of the inputs");
   EXPECT_ERROR(plan({"a.0007.exr", "./a.0007.exr"}, "out"), "two pictures");

@@ -28,9 +28,11 @@ struct DataConfig {
   std::string path;                  // folder with manifest.json
   std::vector<DataSetConfig> paths;  // several data sets, in place of `path`
   int64_t crop = 128;                // side of the square crops, pixels
-  int64_t batch = 4;                 // crops a batch, of all processes together
-  bool flips = true;                 // mirror crops in x and in y, each half of the time
-  bool rotations = true;             // turn crops by 0, 90, 180 or 270 degrees
+  int64_t clip = 1;        // frames of a crop that follow one another in a sequence; 1: single frames
+  int64_t batch = 4;       // crops a batch, of all processes together
+  bool flips = true;       // mirror crops in x and in y, each half of the time
+  bool rotations = true;   // turn crops by 0, 90, 180 or 270 degrees
+  bool reversal = false;   // let half of the clips run backwards in time
   int64_t difficulty = 1;  // of so many crops of a frame, one is taken in proportion to how noisy it is
   // [LEAST, MOST]: how many of a frame's samples a batch uses (dataset/sample_draw.h); []: all of them.
   std::vector<int64_t> samples;
@@ -47,9 +49,11 @@ struct DataConfig {
     v.field("path", path);
     v.sections("paths", paths);
     v.field("crop", crop, Range{1, 16384});
+    v.field("clip", clip, Range{1, 1024});
     v.field("batch", batch, Range{1, 4096});
     v.field("flips", flips);
     v.field("rotations", rotations);
+    v.field("reversal", reversal);
     v.field("difficulty", difficulty, Range{1, 1024});
     v.field("samples", samples, Range{1, 4096});
     v.field("validation_samples", validation_samples, Range{0, 4096});

@@ -1,0 +1,79 @@
+// Networks that keep nothing from frame to frame train on clips as on so many single frames.
+#include <gtest/gtest.h>
+
+#include "models/initialise.h"
+#include "tests/support/expect_error.h"
+#include "tests/training/tiny_training.h"
+#include "training/training_data.h"
+
+namespace ld {
+namespace {
+
+/// Two sequences of six frames to train on, and a still that validates.
+TrainConfig clip_config(const std::filesystem::path& data) {
+  write_tiny_dataset(data, 12);
+  Manifest manifest = read_manifest(data);
+  for (ManifestFrame& frame : manifest.frames)
+    if (frame.split == "train") {
+      frame.sequence = frame.index / 6;
+      frame.position = frame.index % 6;
+    }
+  add_to_manifest(data, manifest);
+  TrainConfig config = tiny_config(data, 4);
+  config.data.clip = 3;
+  return config;
+}
+
+TEST(ClipTraining, TheLossIsTheMeanOverAllFrames) {
+  const TemporaryFolder folder;
+  const TrainConfig config = clip_config(folder.path());
+  TrainingSet set = make_training_set(config);
+  EXPECT_EQ(set.batches_per_epoch(), 2) << "four clips of three frames, two a batch";
+  const std::shared_ptr<Network> network = make_network(config.network);
+  initialise(*network, 1);
+  const Loss loss = make_loss("smape");
+  const Batch batch = set.batch(0);
+  ASSERT_EQ(batch.by_clip(batch.reference).sizes(), (std::vector<int64_t>{2, 3, 3, 8, 8}));
+  double sum = 0;
+  for (int64_t i = 0; i < 6; ++i) {
+    const torch::NoGradGuard no_graph;
+    const NetworkInput frame = {batch.input.features.narrow(0, i, 1), batch.input.radiance.narrow(0, i, 1),
+                                batch.input.valid.narrow(0, i, 1)};
+    sum += loss(network->forward(frame), batch.reference.narrow(0, i, 1)).item<double>();
+  }
+  ProcessGroup alone{ProcessGroupOptions{}};
+  Optimizer optimizer(network, config.optimizer);
+  const Optimizer::Outcome outcome = optimizer.step(set, 0, loss, 0.01, 1, alone);
+  EXPECT_TRUE(outcome.taken);
+  EXPECT_NEAR(outcome.loss, sum / 6, 1e-5);
+}
+
+TEST(ClipTraining, ARunContinuesWithTheClipsThatItWouldHaveHad) {
+  const TemporaryFolder folder;
+  TrainConfig config = clip_config(folder / "data");
+  config.data.samples = {1, 2};
+  config.data.workers = 2;
+  Trainer whole(config, folder / "whole");
+  whole.train();
+  EXPECT_EQ(whole.state().step, 4);
+  EXPECT_EQ(whole.total_steps(), 1000 * 2);
+  config.run.max_steps = 3;
+  Trainer(config, folder / "parts").train();
+  config.run.max_steps = 4;
+  Trainer(config, folder / "parts").train();
+  EXPECT_TRUE(last_checkpoint(folder / "whole") == last_checkpoint(folder / "parts"));
+  config.data.clip = 2;
+  EXPECT_ERROR(Trainer(config, folder / "parts"), "there 'clip: 3', here 'clip: 2'");
+}
+
+TEST(ClipTraining, StillFramesHaveNoClips) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder / "data", 4);
+  TrainConfig config = tiny_config(folder / "data", 4);
+  config.data.clip = 2;
+  EXPECT_ERROR(Trainer(config, folder / "run"), "data.clip: no 2 frames of ");
+  EXPECT_FALSE(std::filesystem::exists(folder / "run"));
+}
+
+}  // namespace
+}  // namespace ld
