@@ -29,7 +29,8 @@ KernelStatistics kernel_statistics(Network& network, const NetworkInput& input) 
   const int64_t centre = share.size(2) / 2;
   KernelStatistics statistics;
   if (pixels == 0) return statistics;
-  // The entropy of the tap when the layer is known: H(tap, layer) - H(layer), which rounding alone can make negative.
+  // The entropy of the tap when the layer is known: H(tap, layer) - H(layer), which rounding alone can make
+  // negative.
   const double entropy = (x_log_x(of_layers).sum() - x_log_x(share).sum()).item<double>();
   statistics.entropy = std::max(entropy, 0.0) / pixels;
   statistics.centre_share = share.select(2, centre).sum().item<double>() / pixels;

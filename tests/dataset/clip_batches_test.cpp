@@ -225,7 +225,8 @@ TEST(ClipBatches, WhatCannotBeIsAnError) {
   EXPECT_ERROR(make_batch({crop, crop, crop}, kMoving, 2), "3 crops is not one of whole clips of 2");
   EXPECT_EQ(make_batch({crop, crop}, kMoving, 2).clip, 2);
   TrainingSet set = clip_set(folder.path(), clip_options(3, 1));
-  EXPECT_NE(set.describe(0, 1).find("train_0_00+train_0_01+train_0_02 at "), std::string::npos) << set.describe(0, 1);
+  EXPECT_NE(set.describe(0, 1).find("train_0_00+train_0_01+train_0_02 at "), std::string::npos)
+      << set.describe(0, 1);
 }
 
 }  // namespace
