@@ -12,5 +12,5 @@ ctest --preset release --output-on-failure || failed=$?
 cases() { grep -c "^\[ *$1 *\] [A-Za-z0-9_/]*\.[A-Za-z0-9_/]* (" build/Testing/Temporary/LastTest.log || true; }
 echo "test: $(cases OK) cases passed, $(cases FAILED) failed, $(cases SKIPPED) skipped"
 # A case that is skipped says why in the line behind the one that names its place.
-awk '/: Skipped$/ { getline; print "test: skipped, because " $0 }' build/Testing/Temporary/LastTest.log
+awk '/^\/.*: Skipped$/ { getline; print "test: skipped, because " $0 }' build/Testing/Temporary/LastTest.log
 exit $failed
