@@ -43,11 +43,11 @@ fi
 
 # Whose fault an input shows is told by the first function of HDF5 or of ours in its stack.
 sort_faults_of_hdf5() {
-  local input
+  local input said
   for input in out/fuzz/hdf5.{crash,oom,timeout}-*; do
     [ -e "$input" ] || continue
-    if { build-fuzz/bin/fuzz_hdf5 "${options[@]:0:3}" "$input" 2>&1 || true; } |
-      awk '!seen && /^ *#[0-9]+ / && (/libhdf5/ || / ld::/) {seen = 1; theirs = /libhdf5/} END {exit !theirs}'; then
+    said=$(build-fuzz/bin/fuzz_hdf5 "${options[@]:0:3}" "$input" 2>&1) && continue  # mended since
+    if awk '!seen && /^ *#[0-9]+ / && (/libhdf5/ || / ld::/) {seen = 1; theirs = /libhdf5/} END {exit !theirs}' <<< "$said"; then
       echo "a fault of the HDF5 library: $input"
     else
       echo "a fault of ours: $input"
@@ -68,7 +68,6 @@ for target in "${targets[@]}"; do
   export ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=$leaks
   options=(-detect_leaks="$leaks" -timeout=25 -rss_limit_mb=3000)
   if [ "$target" = hdf5 ]; then options+=(-fork=1 -ignore_crashes=1); fi
-  rm -f "out/fuzz/$target".{crash,oom,timeout}-*
   build-fuzz/bin/fuzz_"$target" "${options[@]}" -max_total_time=$((minutes * 60)) -max_len=60000 -print_final_stats=1 \
     -artifact_prefix="out/fuzz/$target." "out/fuzz/$target" > "out/fuzz/$target.log" 2>&1 || [ "$target" = hdf5 ] || failed=1
   if [ "$target" = hdf5 ]; then sort_faults_of_hdf5; fi

@@ -5,7 +5,6 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "frame/sequence_runs.h"
 
 namespace ld {
 namespace {
@@ -18,10 +17,8 @@ size_t frames_in(const std::vector<Clip>& clips) {
 
 /// The runs of the store's frames, cut where their size changes.
 std::vector<Clip> runs_of_one_size(const FrameStore& store) {
-  std::vector<ManifestFrame> frames;
-  for (size_t i = 0; i < store.size(); ++i) frames.push_back(store.frame(i));
   std::vector<Clip> runs;
-  for (const std::vector<size_t>& run : sequence_runs(frames))
+  for (const std::vector<size_t>& run : store.runs())
     for (size_t i = 0; i < run.size(); ++i) {
       if (i == 0 || store.width(run[i]) != store.width(run[i - 1]) ||
           store.height(run[i]) != store.height(run[i - 1]))

@@ -98,10 +98,8 @@ PackedFrame view_of(const std::shared_ptr<const SafetensorsFile>& file,
 /// reading is slower and nothing else.
 void advise(const void* data, size_t bytes, int advice) {
   const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = reinterpret_cast<uintptr_t>(data) / page * page;
-  const auto end = reinterpret_cast<uintptr_t>(data) + bytes;
-  // Whole pages. NOLINTNEXTLINE(performance-no-int-to-ptr)
-  madvise(reinterpret_cast<void*>(begin), end - begin, advice);
+  const size_t offset = reinterpret_cast<uintptr_t>(data) % page;  // of the data in its first page
+  madvise(const_cast<char*>(static_cast<const char*>(data)) - offset, offset + bytes, advice);
 }
 
 /// Reads the first page of a file, which holds the header, alone: a mapping's first page fault would start a

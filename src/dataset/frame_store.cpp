@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "frame/frame_file.h"
+#include "frame/sequence_runs.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -48,6 +49,12 @@ FrameStore::FrameStore(fs::path data_set, const std::string& split, std::vector<
   if (options.folder != "none")
     cache_ =
         std::make_unique<FrameCache>(cache_folder(data_set_, options.folder), features_, options.reserve);
+}
+
+std::vector<std::vector<size_t>> FrameStore::runs() const {
+  std::vector<ManifestFrame> frames;
+  for (const auto& entry : entries_) frames.push_back(entry->frame);
+  return sequence_runs(frames);
 }
 
 std::shared_ptr<const PackedFrame> FrameStore::get(size_t index) {

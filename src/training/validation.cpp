@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "dataset/input_tensors.h"
-#include "frame/sequence_runs.h"
 #include "metrics/metric.h"
 
 namespace ld {
@@ -33,12 +32,8 @@ Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t 
     : stores_(std::move(stores)), pictures_(pictures), samples_(samples) {
   for (const std::unique_ptr<FrameStore>& store : stores_) {
     const size_t first = frames_.size();
-    std::vector<ManifestFrame> frames;
-    for (size_t i = 0; i < store->size(); ++i) {
-      frames.push_back(store->frame(i));
-      frames_.push_back({store.get(), i, {}});
-    }
-    for (std::vector<size_t>& run : sequence_runs(frames)) {
+    for (size_t i = 0; i < store->size(); ++i) frames_.push_back({store.get(), i, {}});
+    for (std::vector<size_t>& run : store->runs()) {
       for (size_t i = 0; i < run.size(); ++i) {
         run[i] += first;
         frames_[run[i]].place = {static_cast<int64_t>(sequences_.size()), static_cast<int64_t>(i)};

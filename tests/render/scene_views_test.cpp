@@ -78,6 +78,13 @@ TEST(SceneViews, FileCamerasFirstThenPlacesAroundThem) {
   EXPECT_GT(blurred, 1);
 }
 
+TEST(SceneViews, KeepTheConfigurationThatTheyWereMadeWith) {
+  Recipe recipe = views_of(kBox, 4, {"scene_file.defocus=0"});
+  const auto source = make_scene_source(recipe);
+  recipe.scene_file.defocus = 1;
+  for (int64_t i = 0; i < 4; ++i) EXPECT_EQ(source->prepare(i)->scene().camera.lens_radius, 0) << i;
+}
+
 TEST(SceneViews, FilesWithoutACameraAreFramed) {
   const auto source = make_scene_source(views_of(kBox, 4, {"scene_file.ground=true"}));
   for (int64_t i = 0; i < 4; ++i) {
