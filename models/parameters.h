@@ -3,23 +3,15 @@
 
 #include <torch/torch.h>
 
+#include "core/scoped_value.h"
+
 namespace ld {
 
 /// While one lives, what this thread makes with new_parameter() has a shape and no memory (LibTorch's "meta"
 /// device): for those who count what a network holds, or what a damaged file says that it holds.
-class ShapesOnly {
+class ShapesOnly : public ScopedValue<ShapesOnly, bool> {
  public:
-  ShapesOnly() : before_(current()) { current() = true; }
-  ~ShapesOnly() { current() = before_; }
-  ShapesOnly(const ShapesOnly&) = delete;
-  ShapesOnly& operator=(const ShapesOnly&) = delete;
-  static bool& current() {
-    static thread_local bool shapes_only = false;
-    return shapes_only;
-  }
-
- private:
-  bool before_;
+  ShapesOnly() : ScopedValue(true) {}
 };
 
 /// A parameter that a module registers, of zeros. Every module makes its parameters here.

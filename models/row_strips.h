@@ -7,6 +7,8 @@
 #include <functional>
 #include <vector>
 
+#include "core/scoped_value.h"
+
 namespace ld {
 
 /// Rows [begin, end) of a tensor whose last two axes are H and W.
@@ -18,19 +20,10 @@ inline torch::Tensor rows(const torch::Tensor& t, int64_t begin, int64_t end) {
 constexpr int64_t kStripBytes = int64_t(256) << 20;
 
 /// While one lives, strips of this thread take about `bytes` instead.
-class StripBytes {
+class StripBytes : public ScopedValue<StripBytes, int64_t> {
  public:
-  explicit StripBytes(int64_t bytes) : before_(current()) { current() = bytes; }
-  ~StripBytes() { current() = before_; }
-  StripBytes(const StripBytes&) = delete;
-  StripBytes& operator=(const StripBytes&) = delete;
-  static int64_t& current() {
-    static thread_local int64_t bytes = kStripBytes;
-    return bytes;
-  }
-
- private:
-  int64_t before_;
+  using ScopedValue::ScopedValue;
+  static int64_t outside() { return kStripBytes; }
 };
 
 /// A strip has at least so many rows, whatever they take.
@@ -65,21 +58,9 @@ inline std::function<torch::Tensor(int64_t, int64_t)> kept_rows(
 
 /// Called with the share of the work that is done (0 to 1) after each strip, in the thread that the network
 /// runs in; may throw to end it. While one lives.
-class StripProgress {
+class StripProgress : public ScopedValue<StripProgress, std::function<void(double)>> {
  public:
-  explicit StripProgress(std::function<void(double)> call) : before_(std::move(current())) {
-    current() = std::move(call);
-  }
-  ~StripProgress() { current() = std::move(before_); }
-  StripProgress(const StripProgress&) = delete;
-  StripProgress& operator=(const StripProgress&) = delete;
-  static std::function<void(double)>& current() {
-    static thread_local std::function<void(double)> call;
-    return call;
-  }
-
- private:
-  std::function<void(double)> before_;
+  using ScopedValue::ScopedValue;
 };
 
 inline void strips_done(double share) {

@@ -11,9 +11,6 @@ namespace {
 
 using torch::Tensor;
 
-thread_local bool compose = false;
-thread_local Taps taps_taken = Taps::at_once;
-
 /// The lowest value that logits count as: differences and sums of a few of them stay finite.
 double lowest_logit(torch::ScalarType type) {
   return type == torch::kFloat32 ? double(kLowestLogit) : std::numeric_limits<double>::lowest() / 4;
@@ -57,7 +54,7 @@ std::vector<Tap> taps(int64_t kernel) {
 }
 
 std::vector<Tensor> planes_of(const Tensor& taps, int64_t axis) {
-  if (taps_taken == Taps::at_once) return taps.unbind(axis);
+  if (ComposedOperators::current().value_or(Taps::at_once) == Taps::at_once) return taps.unbind(axis);
   std::vector<Tensor> planes;
   for (int64_t i = 0; i < taps.size(axis); ++i) planes.push_back(taps.select(axis, i));
   return planes;
@@ -69,22 +66,8 @@ int64_t kernel_size(int64_t count) {
 
 }  // namespace
 
-ComposedOperators::ComposedOperators(Taps taps) : before_(compose), taps_before_(taps_taken) {
-  compose = true;
-  taps_taken = taps;
-}
-
-ComposedOperators::~ComposedOperators() {
-  compose = before_;
-  taps_taken = taps_before_;
-}
-
-bool composed_operators() {
-  return compose;
-}
-
 bool runs_composed(const Tensor& tensor) {
-  return compose || tensor.scalar_type() != torch::kFloat32 || !tensor.device().is_cpu();
+  return composed_operators() || tensor.scalar_type() != torch::kFloat32 || !tensor.device().is_cpu();
 }
 
 namespace composed {

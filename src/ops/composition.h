@@ -5,6 +5,9 @@
 
 #include <torch/torch.h>
 
+#include <optional>
+
+#include "core/scoped_value.h"
 #include "ops/fully_connected.h"
 #include "ops/partition.h"
 
@@ -17,20 +20,15 @@ enum class Taps { at_once, sliced };
 
 /// While one lives, the operators of this thread run as compositions, also for float32 on the CPU, and
 /// tensors come from LibTorch's own allocator (ops/memory_pool.h).
-class ComposedOperators {
+class ComposedOperators : public ScopedValue<ComposedOperators, std::optional<Taps>> {
  public:
-  explicit ComposedOperators(Taps taps = Taps::at_once);
-  ~ComposedOperators();
-  ComposedOperators(const ComposedOperators&) = delete;
-  ComposedOperators& operator=(const ComposedOperators&) = delete;
-
- private:
-  bool before_;
-  Taps taps_before_;
+  explicit ComposedOperators(Taps taps = Taps::at_once) : ScopedValue(taps) {}
 };
 
 /// Whether one lives in this thread.
-bool composed_operators();
+inline bool composed_operators() {
+  return ComposedOperators::current().has_value();
+}
 
 /// Whether an operator on `tensor` is to run as a composition: doubles, other devices, ComposedOperators.
 bool runs_composed(const torch::Tensor& tensor);
