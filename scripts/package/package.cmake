@@ -1,0 +1,20 @@
+# The Debian package: programs, library, headers, configurations, recipes, pages and released weights. `scripts/package.sh` makes it.
+set(share share/layer_denoiser)
+install(DIRECTORY configs examples DESTINATION ${share})
+install(DIRECTORY data/recipes DESTINATION ${share})
+install(PROGRAMS scripts/quickstart.sh DESTINATION ${share})
+install(DIRECTORY docs DESTINATION share/doc/layer-denoiser)
+install(FILES README.md CHANGELOG.md DESTINATION share/doc/layer-denoiser)
+install(FILES LICENSE DESTINATION share/doc/layer-denoiser RENAME copyright)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME layer-denoiser)
+set(CPACK_PACKAGE_CONTACT "The developers of layer_denoiser <layer-denoiser@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+# What the programs are linked with is found by dpkg-shlibdeps. LibTorch would take any BLAS, of which only this one is fast.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS libopenblas0-openmp)
+include(CPack)
