@@ -44,16 +44,19 @@ struct Seeds {
 
 std::vector<float> smooth(const std::vector<float>& plane, int width, int height, bool self) {
   std::vector<float> result(plane.size());
+  const auto index = [width](int y, int x) {
+    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       double sum = 0, count = 0;
       for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
         for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i) {
           if (!self && i == x && j == y) continue;
-          sum += static_cast<double>(plane[static_cast<size_t>(j * width + i)]);
+          sum += static_cast<double>(plane[index(j, i)]);
           ++count;
         }
-      result[static_cast<size_t>(y * width + x)] = static_cast<float>(count > 0 ? sum / count : 0);
+      result[index(y, x)] = static_cast<float>(count > 0 ? sum / count : 0);
     }
   return result;
 }

@@ -55,7 +55,8 @@ Picture measure(const Evidence& evidence) {
   std::array<double, size_t{kSide} * kSide> counts{};
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x) {
-      const auto cell = static_cast<size_t>(y * kSide / frame.height * kSide + x * kSide / frame.width);
+      const int row = y * kSide / frame.height, column = x * kSide / frame.width;
+      const size_t cell = static_cast<size_t>(row) * kSide + static_cast<size_t>(column);
       const size_t p = static_cast<size_t>(y) * static_cast<size_t>(frame.width) + static_cast<size_t>(x);
       const auto numbers = pixel_numbers(evidence, p);
       for (size_t i = 0; i < kPlanes; ++i) sums[i * kSide * kSide + cell] += numbers[i];

@@ -296,15 +296,15 @@ TEST(Hdf5, HostileFilesGiveOneError) {
   EXPECT_FALSE(fs::exists(folder / "d"));
 }
 
-/// HDF5 reads from a null pointer on this file (1.10.8 does, found by a fuzzer); other versions may refuse
-/// it.
+/// HDF5 1.10 reads from a null pointer on this file (found by a fuzzer); 1.14 finds no data set in it.
 TEST(Hdf5, AFaultOfTheLibraryIsAnErrorOfOurs) {
   const TemporaryFolder folder;
   const std::string file = std::string(LD_SOURCE_DIR) + "/tests/fixtures/hdf5/fault.h5";
   const ProgramResult result =
       run_program("ld_import", {"--from-hdf5", file, "--reference", file, "--out", (folder / "data").string(),
                                 "--split", "test", "--name", "f"});
-  expect_failure(result, 1, {file, "copy it again"});
+  const bool faults = H5_VERS_MAJOR == 1 && H5_VERS_MINOR == 10;
+  expect_failure(result, 1, {file, faults ? "copy it again" : "data set 'color' is missing"});
   EXPECT_FALSE(fs::exists(folder / "data"));
 }
 
