@@ -17,7 +17,7 @@ void LogAverage::add(const Tensor& radiance, const Tensor& valid) {
   const Tensor luminance =
       (0.2126 * light.select(2, 0) + 0.7152 * light.select(2, 1) + 0.0722 * light.select(2, 2))
           .masked_fill(good.logical_not(), 0);
-  const Tensor mean = (luminance.sum(1) / good.sum(1).clamp_min(1)).contiguous();  // [B, H, W]
+  const Tensor mean = (luminance.sum(1) / good.sum(1).clamp_min(1)).cpu().contiguous();  // [B, H, W]
   const int64_t pixels = mean.size(1) * mean.size(2);
   const double* value = mean.data_ptr<double>();
   for (Sum& sum : pictures_)
@@ -51,7 +51,8 @@ NetworkInput with_exposure(NetworkInput input, const Tensor& exposure, const Net
   const int64_t first = first_channel(config.features, "radiance");
   if (first < 0) return input;
   // In doubles: neither an exposure of 1e37 nor radiance of 3e38 leaves their range.
-  const Tensor exposed = (input.radiance.detach().to(torch::kFloat64) * exposure.view({-1, 1, 1, 1, 1}))
+  const Tensor factor = exposure.to(input.radiance.device()).view({-1, 1, 1, 1, 1});
+  const Tensor exposed = (input.radiance.detach().to(torch::kFloat64) * factor)
                              .clamp_max(kHalfMax)
                              .to(input.features.scalar_type());
   const Tensor seen = tone_map(exposed).masked_fill(input.valid.eq(0), 0);

@@ -4,11 +4,17 @@
 
 namespace ld {
 
-torch::Tensor Network::forward(NetworkInput input) {
+/// Admitted at once: strips that overlap would go through it more than once.
+NetworkInput Network::admit_whole(NetworkInput input) {
   check_input(input, config_);
-  // Admitted at once: strips that overlap would go through it more than once.
+  const torch::Device here = device();
+  for (torch::Tensor* t : {&input.features, &input.radiance, &input.valid}) *t = t->to(here);
   const int64_t height = input.features.size(3);
-  input = admit(WholeInput(std::move(input))).rows(0, height);
+  return admit(WholeInput(std::move(input))).rows(0, height);
+}
+
+torch::Tensor Network::forward(NetworkInput input) {
+  input = admit_whole(std::move(input));
   const double largest =
       at::GradMode::is_enabled() ? input.radiance.detach().max().item<double>() : 0;  // finite now
   torch::Tensor output = denoise(WholeInput(std::move(input)));
@@ -24,9 +30,7 @@ torch::Tensor Network::forward(const InputSource& input) {
 }
 
 Kernels Network::kernels(NetworkInput input) {
-  check_input(input, config_);
-  const int64_t height = input.features.size(3);
-  return make_kernels(WholeInput(admit(WholeInput(std::move(input))).rows(0, height)));
+  return make_kernels(WholeInput(admit_whole(std::move(input))));
 }
 
 std::shared_ptr<Network> make_network_shapes(const NetworkConfig& config) {

@@ -30,7 +30,8 @@ class Network : public torch::nn::Module {
   /// Any H and W from 1, any number of samples from 1. A pixel without valid samples sends nothing and
   /// receives from its neighbours; where nothing is in reach the result is 0. Throws Error when a shape does
   /// not fit the configuration. Hand the input over with std::move where it is not needed any more: its
-  /// memory is then free as soon as the network has read it.
+  /// memory is then free as soon as the network has read it. An input on another device is taken to that of
+  /// the weights, where the result is.
   ///
   /// Differentiable. Where radiance exceeds 1e15, the gradient of the result is bounded so that its product
   /// with the radiance, which is what reaches the kernels, stays below 1e30: sums of larger ones overflow.
@@ -48,6 +49,9 @@ class Network : public torch::nn::Module {
 
   const NetworkConfig& config() const { return config_; }
 
+  /// Where the weights are.
+  torch::Device device() const { return parameters().front().device(); }
+
   /// What forward() of an InputSource takes for float32 pictures of this size, in strips of StripBytes: its
   /// largest sum of tensors at a time, the result included; an estimate from above.
   virtual int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const = 0;
@@ -58,6 +62,7 @@ class Network : public torch::nn::Module {
  protected:
   /// The input checked and made safe: every way into a network leads through here.
   AdmittedInput admit(const InputSource& input) { return {input, config_, faults_}; }
+  NetworkInput admit_whole(NetworkInput input);
 
  private:
   virtual torch::Tensor denoise(const InputSource& input) = 0;

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "ops/runtime.h"
+#include "training/device.h"
 #include "training/run/config_file.h"
 #include "training/run/run_folder.h"
 #include "training/trainer.h"
@@ -29,7 +30,9 @@ int main(int argc, char** argv) {
 
   return app.run(argc, argv, [&] {
     app.refuse_overwriting({}, {config_path});
-    ld::TrainConfig config = ld::read_train_config(config_path, overrides);
+    const ld::ConfigNode tree = ld::read_train_tree(config_path, overrides);
+    auto config = ld::config_from_tree<ld::TrainConfig>(tree);
+    ld::device_named(config.run.device, ld::place_of(tree, "run", "device"));
     const auto sets_seed = [](const std::string& assignment) { return assignment.rfind("seed=", 0) == 0; };
     if (app.seed() && std::any_of(overrides.begin(), overrides.end(), sets_seed))
       ld::fail_command_line("--seed {} and {} both say the seed; give one of them", *app.seed(),

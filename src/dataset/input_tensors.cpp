@@ -151,7 +151,7 @@ torch::Tensor to_tensor(const Image& image) {
 }
 
 Image to_image(const torch::Tensor& tensor) {
-  const torch::Tensor plain = tensor.detach().to(torch::kFloat32).contiguous();
+  const torch::Tensor plain = tensor.detach().to(torch::kCPU, torch::kFloat32).contiguous();
   if (plain.dim() != 3) fail("an image has the shape [C, H, W], found {} dimensions", plain.dim());
   Image image(static_cast<int>(plain.size(2)), static_cast<int>(plain.size(1)),
               static_cast<int>(plain.size(0)));

@@ -41,7 +41,7 @@ Loss make_loss(const std::string& name) {
       fail("loss {}: the denoised image is {} [{}] and the reference {} [{}], expected the same", name,
            toString(denoised.scalar_type()), fmt::join(denoised.sizes(), ", "),
            toString(reference.scalar_type()), fmt::join(reference.sizes(), ", "));
-    return loss(denoised, reference);
+    return loss(denoised, reference.to(denoised.device()));
   };
 }
 

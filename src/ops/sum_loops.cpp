@@ -1,7 +1,6 @@
 #include "ops/sum_loops.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace ld {
 namespace {
@@ -11,12 +10,6 @@ template <class T>
 void add_product(const T* __restrict a, const T* __restrict b, T* __restrict out, int64_t count) {
   for (int64_t i = 0; i < count; ++i) out[i] += a[i] * b[i];
 }
-
-/// Bound of a product in the gradient of the weights. A gradient times a radiance of 3e38 may overflow
-/// although the weight's own derivative, with which it is multiplied next, is 0: the product must stay
-/// finite, or that is NaN. Room for the sum over 8192 channels.
-template <class T>
-constexpr T kLargestProduct = std::numeric_limits<T>::max() / 8192;
 
 template <class T>
 void add_bounded_product(const T* __restrict a, const T* __restrict b, T* __restrict out, int64_t count) {

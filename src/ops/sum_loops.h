@@ -3,12 +3,19 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace ld {
 
 struct SumShape {
   int64_t samples, layers, channels, plane;
 };
+
+/// Bound of a product in the gradient of the weights. A gradient times a radiance of 3e38 may overflow
+/// although the weight's own derivative, with which it is multiplied next, is 0: the product must stay
+/// finite, or that is NaN. Room for the sum over 8192 channels.
+template <class T>
+constexpr T kLargestProduct = std::numeric_limits<T>::max() / 8192;
 
 /// out[l][c][p] = sum over s of weights[s][l][p] * values[s][c][p].
 template <class T>

@@ -27,11 +27,26 @@ Tensor map(const Tensor& in, Function function) {
   return out;
 }
 
+/// The same of core/tone_map.h on other devices than the CPU; y = log(1 + x), of x where it is above 0.
+constexpr double kLinear = 0.0031308;
+
+Tensor composed_tone_map(const Tensor& x) {
+  const Tensor y = x.clamp_min(0).log1p();
+  return at::where(y.le(kLinear), 12.92 * y, 1.055 * y.pow(1 / 2.4) - 0.055)
+      .masked_fill(x.gt(0).logical_not(), 0);
+}
+
+Tensor composed_tone_map_slope(const Tensor& x) {
+  const Tensor y = x.clamp_min(0).log1p();
+  const Tensor outer = (1.055 / 2.4 * y.pow(1 / 2.4 - 1)).masked_fill(y.le(kLinear), 12.92);
+  return (outer / (1 + x)).masked_fill(x.gt(0).logical_not(), 12.92);
+}
+
 class ToneMap : public torch::autograd::Function<ToneMap> {
  public:
   static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& linear) {
     context->save_for_backward({linear});
-    return map(linear, [](auto x) { return tone_map(x); });
+    return linear.is_cpu() ? map(linear, [](auto x) { return tone_map(x); }) : composed_tone_map(linear);
   }
 
   static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
@@ -49,7 +64,8 @@ Tensor tone_map(const Tensor& linear) {
 
 Tensor tone_map_slope(const Tensor& linear) {
   floating_type("tone_map_slope: the image", linear);
-  return map(linear.detach(), [](auto x) { return tone_map_slope(x); });
+  const Tensor x = linear.detach();
+  return x.is_cpu() ? map(x, [](auto value) { return tone_map_slope(value); }) : composed_tone_map_slope(x);
 }
 
 }  // namespace ld

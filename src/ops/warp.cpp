@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/error.h"
 #include "ops/expect_tensor.h"
 #include "ops/pictures.h"
 
@@ -127,6 +128,11 @@ Warped warp(const Tensor& values, const Tensor& flow, const Tensor& valid) {
   const int64_t batch = values.size(0), height = values.size(2), width = values.size(3);
   expect_tensor("warp: flow", "[B, 2, H, W]", flow, {batch, 2, height, width}, type);
   expect_tensor("warp: valid", "[B, 1, H, W]", valid, {batch, 1, height, width}, type);
+  for (const Tensor* tensor : {&values, &flow, &valid})
+    if (!tensor->is_cpu())
+      fail(
+          "warp: a tensor is on the device {}, expected the CPU, the only one that it runs on; move it there",
+          tensor->device().str());
   const variable_list result = Warp::apply(values, flow.detach(), valid.detach());
   return {result[0], result[1]};
 }

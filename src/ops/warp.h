@@ -18,7 +18,7 @@ struct Warped {
 /// over these. Where theirs sum to less than 0.01, and where the flow is not finite, the result is invalid.
 ///
 /// float32 or float64. Differentiable in `values`; the gradient of `flow` and `valid` is none. The same bits
-/// for any number of threads. Throws Error on shapes that do not fit.
+/// for any number of threads. On the CPU only. Throws Error on shapes that do not fit and other devices.
 Warped warp(const torch::Tensor& values, const torch::Tensor& flow, const torch::Tensor& valid);
 
 }  // namespace ld

@@ -36,6 +36,7 @@ class WeightedSum : public torch::autograd::Function<WeightedSum> {
   static Tensor forward(AutogradContext* context, const Tensor& weights, const Tensor& values) {
     const Tensor w = weights.contiguous(), v = values.contiguous();
     context->save_for_backward({w, v});
+    if (!v.is_cpu()) return (w.unsqueeze(3) * v.unsqueeze(2)).sum(1);
     const SumShape shape = sum_shape(w, v);
     Tensor out = at::empty({w.size(0), w.size(2), v.size(2), v.size(3), v.size(4)}, v.options());
     AT_DISPATCH_FLOATING_TYPES(v.scalar_type(), "weighted_sum", [&] {
@@ -51,8 +52,13 @@ class WeightedSum : public torch::autograd::Function<WeightedSum> {
     const variable_list saved = context->get_saved_variables();
     const Tensor &w = saved[0], &v = saved[1];
     const Tensor gradient = gradients[0].contiguous();
-    const SumShape shape = sum_shape(w, v);
     Tensor w_gradient, v_gradient;
+    if (!v.is_cpu()) {
+      if (context->needs_input_grad(0)) w_gradient = composed_weights_gradient(gradient, v);
+      if (context->needs_input_grad(1)) v_gradient = (w.unsqueeze(3) * gradient.unsqueeze(1)).sum(2);
+      return {w_gradient, v_gradient};
+    }
+    const SumShape shape = sum_shape(w, v);
     if (context->needs_input_grad(0)) w_gradient = at::empty_like(w);
     if (context->needs_input_grad(1)) v_gradient = at::empty_like(v);
     AT_DISPATCH_FLOATING_TYPES(v.scalar_type(), "weighted_sum_backward", [&] {
@@ -63,6 +69,13 @@ class WeightedSum : public torch::autograd::Function<WeightedSum> {
       });
     });
     return {w_gradient, v_gradient};
+  }
+
+ private:
+  static Tensor composed_weights_gradient(const Tensor& gradient, const Tensor& values) {
+    const double bound =
+        values.scalar_type() == torch::kFloat32 ? double(kLargestProduct<float>) : kLargestProduct<double>;
+    return (gradient.unsqueeze(1) * values.unsqueeze(2)).clamp(-bound, bound).sum(3);
   }
 };
 

@@ -27,6 +27,11 @@ double megabytes(uint64_t bytes) {
   return static_cast<double>(bytes) / 1e6;
 }
 
+/// Returns when a device that works by itself has done all that it was given: whoever reads a number waits.
+void wait_for_device(const torch::Tensor& result) {
+  if (!result.is_cpu()) result.detach().flatten()[0].cpu();
+}
+
 }  // namespace
 
 BatchCost measure_batch(Network& network, const Loss& loss, const Batch& batch,
@@ -35,8 +40,10 @@ BatchCost measure_batch(Network& network, const Loss& loss, const Batch& batch,
   for (int pass = 0; pass < 2 && !stop(); ++pass) {
     const double start = now();
     const torch::Tensor denoised = network.forward(batch.input);
+    wait_for_device(denoised);
     const double forward = now() - start;
     loss(denoised, batch.reference).backward();
+    wait_for_device(denoised);
     const double seconds = now() - start;
     const int64_t pixels = batch.reference.numel() / 3;
     const double per_pixel = forward / static_cast<double>(pixels);

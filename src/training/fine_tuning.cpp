@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "frame/schema.h"
 #include "models/initialise.h"
+#include "training/device.h"
 #include "weights/model_file.h"
 
 namespace ld {
@@ -97,6 +98,7 @@ std::shared_ptr<Network> make_initial_network(const TrainConfig& config, bool wi
   std::shared_ptr<Network> network = make_network(config.network);
   initialise(*network, config.seed);
   if (with_init && !config.init.empty()) begin_with_weights(config.init, *network);
+  network->to(device_named(config.run.device));
   return network;
 }
 

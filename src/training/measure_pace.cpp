@@ -76,8 +76,7 @@ double time_checkpoint(const Network& network, Optimizer& optimizer, const std::
 /// all frames are in the cache by then.
 Pace measure_pace(const TrainConfig& config, const PaceSubject& subject) {
   const double limit = kShare * 60 * config.run.minutes;
-  const std::shared_ptr<Network> copy = make_network(config.network);
-  copy_parameters(subject.network, *copy);
+  const std::shared_ptr<Network> copy = copy_of(subject.network);
   Optimizer trial(copy, config.optimizer);
 
   Pace pace;

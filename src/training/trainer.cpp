@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "core/signals.h"
 #include "metrics/metric.h"
+#include "training/device.h"
 #include "training/fine_tuning.h"
 #include "training/measure_pace.h"
 #include "training/run/run_folder.h"
@@ -19,12 +20,14 @@ namespace {
 /// The configuration with its features, the same on all processes.
 TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, ProcessGroup& group) {
   check_optimizer(config.optimizer);
+  device_named(config.run.device);  // before anything is read
   if (group.size() > 1) {
     TrainConfig comparable = config;
     comparable.data.path.clear();  // where each machine has the data is its own business
     comparable.data.paths.clear();
     group.require_equal(fixed_configuration(comparable), "configuration");
     group.require_equal(manifests_checksum(config.data), "data set");
+    group.require_equal(config.run.device, "run.device");  // or the weights would drift apart by rounding
   }
   if (!config.network.auto_features()) return config;
   if (group.is_root()) config = resolve_features(std::move(config), run);

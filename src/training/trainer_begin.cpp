@@ -35,11 +35,12 @@ void Trainer::open_run(const std::string& command, const std::string& dataset, i
   origin.parameters = parameter_count(*network_);
   origin.total_steps = total_steps;
   write_origin(run_, config_, origin);
-  spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} thread{}{}",
+  spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} thread{}{}{}",
                config_.network.name, origin.parameters, total_steps,
                config_.data.batch * config_.optimizer.accumulate, config_.data.crop, config_.data.crop,
                config_.loss, origin.threads, origin.threads == 1 ? "" : "s",
-               group_.size() > 1 ? fmt::format(" in each of {} processes", group_.size()) : "");
+               group_.size() > 1 ? fmt::format(" in each of {} processes", group_.size()) : "",
+               network_->device().is_cpu() ? "" : "; on " + network_->device().str());
   if (validation_.empty())
     spdlog::warn("the data has no validation split: `best` will be the last checkpoint");
 }

@@ -55,7 +55,7 @@ void write_tensors(const std::filesystem::path& path, const NamedTensors& tensor
   std::vector<torch::Tensor> plain;  // keeps the data alive until it is written
   std::vector<TensorView> views;
   for (const auto& [name, tensor] : tensors) {
-    plain.push_back(tensor.detach().contiguous());
+    plain.push_back(tensor.detach().cpu().contiguous());
     const torch::Tensor& data = plain.back();
     views.push_back({name, file_type(data), data.sizes().vec(), data.data_ptr(), data.nbytes()});
   }

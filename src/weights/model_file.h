@@ -14,7 +14,7 @@
 
 namespace ld {
 
-/// Contiguous CPU tensors by name, on their way to a file.
+/// Tensors by name, on their way to a file, which does not know their device.
 using NamedTensors = std::vector<std::pair<std::string, torch::Tensor>>;
 
 void write_tensors(const std::filesystem::path& path, const NamedTensors& tensors, const Metadata& metadata);

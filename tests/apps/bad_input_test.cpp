@@ -171,6 +171,22 @@ TEST_F(BadInput, ConfigKeys) {
   EXPECT_FALSE(fs::exists(path("run_bad")));
 }
 
+TEST_F(BadInput, AGpuThatIsNotThere) {
+  const auto train_without_gpu = [](const std::string& config_path, const std::string& override_text) {
+    RunningProgram program("ld_train",
+                           {"--config", config_path, "--out", path("gpu"), "data.path=none", override_text},
+                           {{"CUDA_VISIBLE_DEVICES", ""}});
+    const int code = program.wait();
+    return ProgramResult{code, program.output()};
+  };
+  expect_failure(train_without_gpu(config(), "run.device=cuda"), 2,
+                 {"command line: run.device: expected cpu, or cuda", "found cuda and ", "run.device=cpu"});
+  const std::string file = config_file(read_file(config()) + "  device: cuda\n");
+  expect_failure(train_without_gpu(file, "seed=2"), 2, {"bad.yaml:", "run.device: expected cpu, or cuda"});
+  expect_failure(train_without_gpu(config(), "run.device=gpu"), 2, {"run.device", "one of cpu, cuda"});
+  EXPECT_FALSE(fs::exists(path("gpu")));
+}
+
 TEST_F(BadInput, DamagedWeights) {
   const std::string bytes = read_file(path("model.safetensors"));
   for (const size_t length : {size_t{0}, size_t{5}, size_t{100}, bytes.size() / 2, bytes.size() - 1}) {

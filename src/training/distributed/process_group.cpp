@@ -230,7 +230,7 @@ void ProcessGroup::sum(const std::vector<torch::Tensor>& tensors, const std::str
            c10::toString(tensors[0].scalar_type()), c10::toString(tensor.scalar_type()));
     parts.push_back(tensor.detach().reshape({-1}));
   }
-  torch::Tensor flat = torch::cat(parts);
+  torch::Tensor flat = torch::cat(parts).cpu();
   reduce(flat, what);
   int64_t at = 0;
   for (const torch::Tensor& tensor : tensors) {
@@ -252,14 +252,16 @@ bool ProcessGroup::any(bool value, const std::string& what) {
 void ProcessGroup::broadcast(const std::vector<torch::Tensor>& tensors, const std::string& what) {
   if (size() == 1) return;
   size_t bytes = 0;
+  std::vector<torch::Tensor> here;  // the tensors, or copies of those on another device
   for (const torch::Tensor& tensor : tensors) {
     if (!tensor.is_contiguous()) fail("'{}': a tensor to be sent is not contiguous", what);
+    here.push_back(tensor.detach().cpu());
     bytes += tensor.nbytes();
   }
   std::vector<torch::Tensor> flat = {torch::empty({static_cast<int64_t>(bytes)}, torch::kUInt8)};
   const auto for_each = [&](const auto& copy) {
     auto* at = flat[0].data_ptr<uint8_t>();
-    for (const torch::Tensor& tensor : tensors) {
+    for (const torch::Tensor& tensor : here) {
       copy(at, tensor);
       at += tensor.nbytes();
     }
@@ -267,8 +269,10 @@ void ProcessGroup::broadcast(const std::vector<torch::Tensor>& tensors, const st
   if (is_root())
     for_each([](uint8_t* at, const torch::Tensor& t) { std::copy_n(bytes_of(t), t.nbytes(), at); });
   connection_->wait(connection_->gloo->broadcast(flat), options_, what);
-  if (!is_root())
-    for_each([](const uint8_t* at, const torch::Tensor& t) { std::copy_n(at, t.nbytes(), bytes_of(t)); });
+  if (is_root()) return;
+  for_each([](const uint8_t* at, const torch::Tensor& t) { std::copy_n(at, t.nbytes(), bytes_of(t)); });
+  for (size_t i = 0; i < tensors.size(); ++i)
+    if (!tensors[i].is_cpu()) tensors[i].detach().copy_(here[i]);
 }
 
 std::string ProcessGroup::broadcast(const std::string& text, const std::string& what) {

@@ -58,10 +58,11 @@ class ProcessGroup {
   /// The one that writes files and talks: rank 0.
   bool is_root() const { return options_.rank == 0; }
 
-  /// Replaces the tensors, all of one floating-point type or int64, by their sums over all processes: one
-  /// message for all of them, the same bits on every rank and whenever it is done again with as many
-  /// processes. A NaN on one rank is a NaN on all; so whoever looks for one after the sum decides as
-  /// everybody does. `what` stands in the text of errors.
+  /// Replaces the tensors, all of one floating-point type or int64 and on one device, by their sums over all
+  /// processes: one message for all of them, the same bits on every rank and whenever it is done again with
+  /// as many processes. A NaN on one rank is a NaN on all; so whoever looks for one after the sum decides as
+  /// everybody does. Gloo sends from the CPU: tensors on another device are copied there and back, here and
+  /// in broadcast(). `what` stands in the text of errors.
   void sum(const std::vector<torch::Tensor>& tensors, const std::string& what);
   double sum(double value, const std::string& what);
 

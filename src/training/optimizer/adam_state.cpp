@@ -25,8 +25,8 @@ void set_state(torch::optim::Adam& optimizer, const torch::Tensor& parameter, co
                int64_t steps) {
   auto state = std::make_unique<torch::optim::AdamParamState>();
   state->step(steps);
-  state->exp_avg(moments.mean);
-  state->exp_avg_sq(moments.square);
+  state->exp_avg(moments.mean.to(parameter.device()));
+  state->exp_avg_sq(moments.square.to(parameter.device()));
   optimizer.state()[state_key(parameter)] = std::move(state);
 }
 

@@ -3,15 +3,6 @@
 #include <algorithm>
 
 namespace ld {
-namespace {
-
-std::shared_ptr<Network> copy_of(const Network& network) {
-  std::shared_ptr<Network> copy = make_network(network.config());
-  copy_parameters(network, *copy);
-  return copy;
-}
-
-}  // namespace
 
 double average_decay(double decay, int64_t n) {
   return std::min(decay, static_cast<double>(1 + n) / static_cast<double>(10 + n));
@@ -21,6 +12,13 @@ void copy_parameters(const Network& from, Network& to) {
   const torch::NoGradGuard no_graph;
   const auto source = from.named_parameters();
   for (auto& parameter : to.named_parameters()) parameter.value().copy_(source[parameter.key()]);
+}
+
+std::shared_ptr<Network> copy_of(const Network& network) {
+  std::shared_ptr<Network> copy = make_network(network.config());
+  copy->to(network.device());
+  copy_parameters(network, *copy);
+  return copy;
 }
 
 WeightAverage::WeightAverage(std::shared_ptr<Network> trained, double decay)

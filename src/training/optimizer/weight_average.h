@@ -34,4 +34,7 @@ double average_decay(double decay, int64_t n);
 /// Copies all parameters between networks of one configuration.
 void copy_parameters(const Network& from, Network& to);
 
+/// Another network of the same configuration, weights and device.
+std::shared_ptr<Network> copy_of(const Network& network);
+
 }  // namespace ld

@@ -129,6 +129,7 @@ struct RunConfig {
   int64_t max_skipped = 10;        // so many steps in a row without a finite gradient end the run
   int64_t images = 4;              // validation frames in TensorBoard; 0: none
   double minutes = 0;  // a new run's schedule has as many steps as there is time for; 0: `epochs` decides
+  std::string device = "cpu";  // where networks and losses run: cpu, or cuda, the first GPU that is visible
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -141,6 +142,7 @@ struct RunConfig {
     v.field("max_skipped", max_skipped, at_least(1));
     v.field("images", images, Range{0, 64});
     v.field("minutes", minutes, Range{0, 1e7});
+    v.field("device", device, {"cpu", "cuda"});
   }
 };
 

@@ -81,18 +81,24 @@ ConfigNode read_on_bases(Files& files) {
 
 }  // namespace
 
-ConfigNode read_train_tree(const fs::path& file) {
+ConfigNode read_train_tree(const fs::path& file, const std::vector<std::string>& overrides) {
   Files files = {file};
-  return read_on_bases(files);
-}
-
-TrainConfig read_train_config(const fs::path& file, const std::vector<std::string>& overrides) {
-  ConfigNode tree = read_train_tree(file);
+  ConfigNode tree = read_on_bases(files);
   for (const std::string& assignment : overrides) apply_override(tree, assignment);
   if (const ConfigNode* base = tree.find(kBase))
     fail_usage("{}: {}: expected this key in a file, whose base it names; give another --config",
                base->origin, kBase);
-  return config_from_tree<TrainConfig>(tree);
+  return tree;
+}
+
+std::string place_of(const ConfigNode& tree, const std::string& section, const std::string& key) {
+  const ConfigNode* node = tree.find(section);
+  if (node != nullptr) node = node->find(key);
+  return node != nullptr ? node->origin : "";
+}
+
+TrainConfig read_train_config(const fs::path& file, const std::vector<std::string>& overrides) {
+  return config_from_tree<TrainConfig>(read_train_tree(file, overrides));
 }
 
 }  // namespace ld

@@ -14,12 +14,16 @@
 
 namespace ld {
 
-/// The file on top of its bases, as one tree. Throws Error when the file is missing, UsageError when it or a
-/// base is no YAML, when a base is missing, and when the bases run in a circle. Whether the keys exist is
-/// found out when the tree is read into its struct.
-ConfigNode read_train_tree(const std::filesystem::path& file);
+/// The file on top of its bases, and "key.sub=value" assignments on top of that, as one tree. Throws Error
+/// when the file is missing, UsageError when it or a base is no YAML, when a base is missing, when the bases
+/// run in a circle, and for an assignment to `base`. Whether the keys exist is found out when the tree is
+/// read into its struct.
+ConfigNode read_train_tree(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-/// The configuration of a file and its bases, with "key.sub=value" assignments on top.
+/// Which file and line, or the command line, say a key of a section; "" where nothing does.
+std::string place_of(const ConfigNode& tree, const std::string& section, const std::string& key);
+
+/// The configuration that the tree holds.
 TrainConfig read_train_config(const std::filesystem::path& file,
                               const std::vector<std::string>& overrides = {});
 
