@@ -135,8 +135,13 @@ TEST(ProcessGroup, WithoutItsPeersARankGivesUpAndSaysWhatToCheck) {
 }
 
 TEST(ProcessGroup, TheEnvironmentIsPyTorchs) {
-  const std::vector<const char*> names = {
-      "WORLD_SIZE", "RANK", "MASTER_ADDR", "MASTER_PORT", "LD_PEER_TIMEOUT", "LD_START_TIMEOUT"};
+  const std::vector<const char*> names = {"WORLD_SIZE",
+                                          "RANK",
+                                          "MASTER_ADDR",
+                                          "MASTER_PORT",
+                                          "LD_PEER_TIMEOUT",
+                                          "LD_START_TIMEOUT",
+                                          "TORCHELASTIC_USE_AGENT_STORE"};
   const auto read = [&](const std::vector<const char*>& values) {
     for (size_t i = 0; i < names.size(); ++i) {
       unsetenv(names[i]);
@@ -160,6 +165,8 @@ TEST(ProcessGroup, TheEnvironmentIsPyTorchs) {
   EXPECT_ERROR(read({"2", "0", "node0"}), "MASTER_PORT is not set");
   EXPECT_ERROR(read({"2", "0", "node0", "70000"}), "MASTER_PORT is '70000'");
   EXPECT_ERROR(read({"2", "0", "node0", "29500", "soon"}), "LD_PEER_TIMEOUT is 'soon'");
+  EXPECT_ERROR(read({"2", "0", "node0", "29500", "30", "300", "True"}), "torchrun keeps MASTER_PORT=29500");
+  EXPECT_EQ(read({"2", "0", "node0", "29500", "30", "300", "False"}).size, 2);
   read({});
   EXPECT_EQ(ProcessGroup::from_environment()->size(), 1);
 }

@@ -176,6 +176,12 @@ ProcessGroupOptions process_group_options_from_environment() {
         "set it to the host of rank 0",
         options.size);
   options.port = number_in<int>("MASTER_PORT", 1, 65535, "set it to a free port on the host of rank 0");
+  if (variable("TORCHELASTIC_USE_AGENT_STORE") == "True")
+    fail_usage(
+        "torchrun keeps MASTER_PORT={} for itself (TORCHELASTIC_USE_AGENT_STORE=True); start it with "
+        "--standalone, or with --rdzv-backend c10d and --rdzv-endpoint on several machines, and with the "
+        "environment variable TORCH_DISABLE_SHARE_RDZV_TCP_STORE=1",
+        options.port);
   options.peer_timeout = seconds_in("LD_PEER_TIMEOUT", options.peer_timeout);
   options.start_timeout = seconds_in("LD_START_TIMEOUT", options.start_timeout);
   return options;
