@@ -15,8 +15,8 @@ template <class T>
 void add_bounded_product(const T* __restrict a, const T* __restrict b, T* __restrict out, int64_t count) {
   for (int64_t i = 0; i < count; ++i) {
     const T product = a[i] * b[i];
-    const T below = product < kLargestProduct<T> ? product : kLargestProduct<T>;
-    out[i] += below > -kLargestProduct<T> ? below : -kLargestProduct<T>;
+    const T below = product < kLargestTerm<T> ? product : kLargestTerm<T>;
+    out[i] += below > -kLargestTerm<T> ? below : -kLargestTerm<T>;
   }
 }
 

@@ -15,7 +15,7 @@ struct SumShape {
 /// although the weight's own derivative, with which it is multiplied next, is 0: the product must stay
 /// finite, or that is NaN. Room for the sum over 8192 channels.
 template <class T>
-constexpr T kLargestProduct = std::numeric_limits<T>::max() / 8192;
+constexpr T kLargestTerm = std::numeric_limits<T>::max() / 8192;
 
 /// out[l][c][p] = sum over s of weights[s][l][p] * values[s][c][p].
 template <class T>

@@ -74,7 +74,7 @@ class WeightedSum : public torch::autograd::Function<WeightedSum> {
  private:
   static Tensor composed_weights_gradient(const Tensor& gradient, const Tensor& values) {
     const double bound =
-        values.scalar_type() == torch::kFloat32 ? double(kLargestProduct<float>) : kLargestProduct<double>;
+        values.scalar_type() == torch::kFloat32 ? double(kLargestTerm<float>) : kLargestTerm<double>;
     return (gradient.unsqueeze(1) * values.unsqueeze(2)).clamp(-bound, bound).sum(3);
   }
 };

@@ -100,7 +100,7 @@ Tensor empty_strided(at::IntArrayRef size, at::IntArrayRef stride, c10::optional
 /// The memory behind a tensor, as one of the CPU. A tensor of the CPU is itself.
 Tensor behind(const Tensor& tensor) {
   if (tensor.is_cpu()) return tensor;
-  const c10::Storage storage = tensor.storage();
+  const c10::Storage& storage = tensor.storage();
   auto* block = static_cast<Block*>(storage.data_ptr().get_context());
   char* data = block->hidden() + tensor.storage_offset() * static_cast<int64_t>(tensor.element_size());
   return at::from_blob(
