@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "frame/exr_check.h"
+#include "frame/exr_output.h"
 #include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
 #include "frame/half_float.h"
@@ -147,15 +148,13 @@ int64_t write_fitting(const std::filesystem::path& path, const Frame& frame, boo
   for (int s = 0; s < frame.spp; ++s) headers.push_back(part_header(frame, fmt::format("s{:03}", s), names));
 
   write_atomically(path, [&](const std::filesystem::path& temporary) {
-    try {
-      Imf::MultiPartOutputFile file(temporary.c_str(), headers.data(), static_cast<int>(headers.size()));
+    write_exr_file(temporary, path, [&](Imf::OStream& stream) {
+      Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()));
       std::vector<half> mean_planes(mean.pixels.size());
       std::transform(mean.pixels.begin(), mean.pixels.end(), mean_planes.begin(), to_half);
       write_part(file, 0, mean_channels, mean_planes);
       for (int s = 0; s < frame.spp; ++s) write_part(file, s + 1, names, sample_planes(frame, s, channels));
-    } catch (const std::exception& error) {
-      fail_to_write(path, error.what());
-    }
+    });
   });
   return clamped;
 }

@@ -18,6 +18,7 @@
 #include "core/file_io.h"
 #include "core/tone_map.h"
 #include "frame/exr_check.h"
+#include "frame/exr_output.h"
 #include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
 #include "frame/half_range.h"
@@ -47,13 +48,11 @@ void write_exr(const fs::path& temporary, const fs::path& path, const Image& ima
     buffer.insert(channels[c],
                   Imf::Slice::Make(Imf::HALF, pixels.data() + c * image.plane_size(), header.dataWindow()));
   }
-  try {
-    Imf::OutputFile file(temporary.c_str(), header);
+  write_exr_file(temporary, path, [&](Imf::OStream& stream) {
+    Imf::OutputFile file(stream, header);
     file.setFrameBuffer(buffer);
     file.writePixels(image.height);
-  } catch (const std::exception& error) {
-    fail_to_write(path, error.what());
-  }
+  });
 }
 
 void check_image(const fs::path& path, const Image& image, int most_channels) {

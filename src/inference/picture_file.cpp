@@ -14,6 +14,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "frame/exr_output.h"
 #include "frame/exr_reader.h"
 #include "frame/frame_attributes.h"
 #include "frame/half_range.h"
@@ -134,9 +135,9 @@ void make_way(std::vector<Channel>& kept, const Part& part, std::vector<std::str
 void write_parts(const fs::path& temporary, const fs::path& path, const std::vector<Part>& parts) {
   std::vector<Imf::Header> headers;
   for (const Part& part : parts) headers.push_back(part.header);
-  try {
+  write_exr_file(temporary, path, [&](Imf::OStream& stream) {
     // What OpenEXR wants to be the same in all parts (display window, chromaticities, ...) is the picture's.
-    Imf::MultiPartOutputFile file(temporary.c_str(), headers.data(), int(headers.size()),
+    Imf::MultiPartOutputFile file(stream, headers.data(), int(headers.size()),
                                   /*overrideSharedAttributes=*/true);
     for (size_t i = 0; i < parts.size(); ++i) {
       const Imath::Box2i& window = headers[i].dataWindow();
@@ -147,9 +148,7 @@ void write_parts(const fs::path& temporary, const fs::path& path, const std::vec
       output.setFrameBuffer(buffer);
       output.writePixels(window.max.y - window.min.y + 1);
     }
-  } catch (const std::exception& error) {
-    fail_to_write(path, error.what());
-  }
+  });
 }
 
 }  // namespace
