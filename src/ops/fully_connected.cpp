@@ -199,8 +199,9 @@ Tensor fully_connected(const Tensor& x, const Tensor& shared, const FullyConnect
     expect_tensor("fully_connected: biases", "[outputs]", network.biases[i], {inputs}, type);
   }
   if (runs_composed(x)) return composed::fully_connected(x, shared, network, activate_last);
-  const c10::optional<Tensor> flat_shared =
-      shared.defined() ? c10::optional<Tensor>(shared.contiguous().flatten(2)) : c10::nullopt;
+  c10::optional<Tensor> flat_shared;
+  if (shared.defined())  // GCC takes a conditional expression for an uninitialised value here
+    flat_shared = shared.contiguous().flatten(2);
   const FullyConnectedWeights plain = contiguous(network);
   return FullyConnected::apply(x.contiguous().flatten(3), flat_shared, at::TensorList(plain.weights),
                                at::TensorList(plain.biases), activate_last, plain.bound)
