@@ -1,12 +1,14 @@
 # Finds LibTorch, Debian's or one's own (-DCMAKE_PREFIX_PATH=FOLDER): sets TORCH_LIBRARIES and TORCH_INCLUDE_DIRS as find_package(Torch) does,
 # and LD_OWN_TORCH where it has its own copies of other libraries inside.
 
-# PyPI's LibTorch for x86-64 is built with CUDA. Its own configuration asks for NVIDIA's compiler; its part for CPUs needs none.
+# PyPI's LibTorch for x86-64 is built with CUDA. Its own configuration asks for NVIDIA's compiler, which nothing here needs. The part for GPUs
+# registers itself when it is loaded: nothing refers to it, so the linker would leave it out.
 find_path(LD_TORCH_CONFIG TorchConfig.cmake HINTS ${Torch_DIR} ${CMAKE_PREFIX_PATH} ENV CMAKE_PREFIX_PATH
           PATH_SUFFIXES share/cmake/Torch Torch NO_DEFAULT_PATH)
 get_filename_component(torch_folder "${LD_TORCH_CONFIG}/../../.." ABSOLUTE)
 if(LD_TORCH_CONFIG AND EXISTS ${torch_folder}/lib/libtorch_cuda.so)
-  set(TORCH_LIBRARIES ${torch_folder}/lib/libtorch_cpu.so ${torch_folder}/lib/libc10.so)
+  set(TORCH_LIBRARIES -Wl,--push-state,--no-as-needed,${torch_folder}/lib/libtorch_cuda.so,--pop-state
+      ${torch_folder}/lib/libtorch_cpu.so ${torch_folder}/lib/libc10.so)
   set(TORCH_INCLUDE_DIRS ${torch_folder}/include ${torch_folder}/include/torch/csrc/api/include)
   add_compile_definitions(USE_DISTRIBUTED USE_C10D_GLOO)
   file(GLOB gomp ${torch_folder}/lib/libgomp*.so*)
@@ -15,7 +17,7 @@ if(LD_TORCH_CONFIG AND EXISTS ${torch_folder}/lib/libtorch_cuda.so)
   if(standard MATCHES "cxx_std_([0-9]+)")
     set(CMAKE_CXX_STANDARD ${CMAKE_MATCH_1})
   endif()
-  message(STATUS "LibTorch: the part for CPUs of ${torch_folder}, with C++${CMAKE_CXX_STANDARD}")
+  message(STATUS "LibTorch: ${torch_folder}, built with CUDA; C++${CMAKE_CXX_STANDARD}")
 else()
   find_package(Torch REQUIRED)
 endif()
