@@ -14,8 +14,8 @@ PixelNetwork::PixelNetwork(const NetworkConfig& config)
 /// Memory of a row of samples.
 int64_t PixelNetwork::sample_row_bytes(const InputSource& input) const {
   const InputSource::Sizes sizes = input.sizes();
-  return sizes.batch * sizes.samples * sizes.width * sizes.element_bytes *
-         (2 * (channel_count(config().features) + 4));
+  const int64_t channels = channel_count(config().features) + 4;
+  return sizes.batch * sizes.samples * sizes.width * sizes.element_bytes * 2 * channels;
 }
 
 ContextNetwork::Context PixelNetwork::make_pixel_context(const InputSource& input) const {

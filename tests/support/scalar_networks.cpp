@@ -171,8 +171,8 @@ Filtered pixel_blend(const Samples& samples, const Parameters& parameters, const
   Grid gaussian(mean.b, 1, size * size, mean.h, mean.w);
   each(gaussian, [&](int64_t b, int64_t, int64_t y, int64_t x) {
     for (int64_t t = 0; t < gaussian.c; ++t) {
-      const double dy = double(t / size - size / 2), dx = double(t % size - size / 2),
-                   sigma = double(size) / 6;
+      const int64_t row = t / size - size / 2, column = t % size - size / 2;
+      const double dy = double(row), dx = double(column), sigma = double(size) / 6;
       gaussian(b, 0, t, y, x) = -(dx * dx + dy * dy) / (2 * sigma * sigma);
     }
   });
@@ -207,7 +207,7 @@ Grid reached(const Grid& pixels, int64_t kernel_size) {
   return out;
 }
 
-Filtered optimized(const Samples& samples, Parameters parameters, const NetworkLayout& layout) {
+Filtered optimized(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
   const FirstHalf half = first_half(samples, parameters, layout);
   const Layers layers = make_layers(samples, half, parameters, layout);
   const int64_t taps = layout.kernel_size * layout.kernel_size, h = samples.valid.h, w = samples.valid.w;
