@@ -19,7 +19,7 @@ struct Metric {
                     const Image& reference);  // domain and errors: metrics/image_pair.h
 };
 
-/// relmse, smape, ssim, psnr: the order of the tables of [MH20] (Munkberg and Hasselgren 2020).
+/// All of them, in the order of the tables of [MH20] (Munkberg and Hasselgren 2020).
 const std::vector<Metric>& metrics();
 
 /// Throws UsageError with the nearest name and the list of names when there is no such metric.
