@@ -4,6 +4,8 @@
 
 #include <torch/torch.h>
 
+#include <string>
+
 namespace ld {
 
 /// LibTorch's place for GPUs of Intel ("xpu:0"), which Debian's leaves empty. The CPU computes behind it.
@@ -12,5 +14,10 @@ namespace ld {
 /// And operators throw when tensors of the CPU are among their arguments, but for those without dimensions,
 /// which are numbers. Its results have the bits of LibTorch's operators on the CPU.
 torch::Device fake_device();
+
+/// Why networks cannot be trained on it; empty where they can.
+inline std::string no_fake_gradients() {
+  return at::globalContext().hasCUDART() ? "LibTorch with CUDA asks for its streams on any device" : "";
+}
 
 }  // namespace ld

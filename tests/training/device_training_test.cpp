@@ -50,6 +50,8 @@ class DeviceTraining : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     if (GetParam() == "cuda" && !torch::cuda::is_available()) GTEST_SKIP() << "no GPU that LibTorch can use";
+    if (const std::string why = no_fake_gradients(); GetParam() != "cuda" && !why.empty())
+      GTEST_SKIP() << why;
     write_tiny_dataset(folder_ / "data", 4);
   }
   /// All that an optimizer can do.
