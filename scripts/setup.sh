@@ -35,23 +35,9 @@ for argument in "$@"; do
 done
 [ $tests = OFF ] || packages+=("${test_packages[@]}")
 
-missing=()
-for package in "${packages[@]}"; do
-  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
-done
-if [ ${#missing[@]} -eq 0 ]; then
-  echo "setup: all ${#packages[@]} packages are installed"
-else
-  echo "setup: installing ${missing[*]}"
-  as_root=()
-  if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || { echo "setup.sh: needs root or sudo to install ${missing[*]}" >&2; exit 1; }
-    as_root=(sudo)
-  fi
-  "${as_root[@]}" apt-get update -q
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
-  echo "setup: installed ${#missing[@]} packages"
-fi
+. scripts/packages.sh
+install_missing setup "${packages[@]}"
+echo "setup: all ${#packages[@]} packages are installed"
 
 blas=$(readlink -f /usr/lib/*/libblas.so.3 | head -n 1)
 case "$blas" in

@@ -8,6 +8,7 @@
 # Slurm's daemons are this script's own: their files are in a temporary folder, and they end with it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+. scripts/packages.sh
 launchers=("$@")
 [ $# -gt 0 ] || launchers=(mpirun slurm torchrun)
 out=$PWD/out/peers/launchers
@@ -23,17 +24,7 @@ for launcher in "${launchers[@]}"; do
     torchrun) packages=() ;;
     *) echo "launchers.sh: unknown launcher '$launcher'; expected mpirun, slurm or torchrun" >&2; exit 2 ;;
   esac
-  missing=()
-  for package in "${packages[@]}"; do
-    dpkg-query -W -f='${Status}' "$package" 2> /dev/null | grep -q 'install ok installed' || missing+=("$package")
-  done
-  if [ ${#missing[@]} -gt 0 ]; then
-    echo "launchers: installing ${missing[*]}"
-    as_root=()
-    [ "$(id -u)" -eq 0 ] || as_root=(sudo)
-    "${as_root[@]}" apt-get update -q
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
-  fi
+  install_missing launchers "${packages[@]}"
   [ "$launcher" != torchrun ] || scripts/peers/torch.sh
 done
 for program in ld_render ld_train ld_inspect; do

@@ -32,13 +32,8 @@ libxkbcommon.so.0 libxkbcommon0
 libGL.so.1 libgl1
 libLLVM.so.19.1 libllvm19
 END
-if [ ${#packages[@]} -gt 0 ]; then
-  echo "peers: installing ${packages[*]}"
-  as_root=()
-  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
-  "${as_root[@]}" apt-get update -q
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${packages[@]}"
-fi
+. scripts/packages.sh
+install_missing peers "${packages[@]}"
 
 [ -x "$venv/bin/pip" ] || "$python" -m venv "$venv"
 "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$wanted"

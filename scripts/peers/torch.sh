@@ -13,13 +13,8 @@ fi
 
 python=${PYTHON:-python3}
 command -v "$python" > /dev/null || { echo "torch.sh: found no $python; install Debian's python3 or name one with PYTHON=..." >&2; exit 1; }
-if ! "$python" -c 'import ensurepip' 2> /dev/null; then
-  echo "peers: installing python3-venv"
-  as_root=()
-  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
-  "${as_root[@]}" apt-get update -q
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends python3-venv
-fi
+. scripts/packages.sh
+"$python" -c 'import ensurepip' 2> /dev/null || install_missing peers python3-venv
 
 [ -x "$venv/bin/pip" ] || "$python" -m venv "$venv"
 "$venv/bin/pip" install --quiet --no-cache-dir --disable-pip-version-check -r "$wanted"
