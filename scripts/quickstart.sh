@@ -15,7 +15,7 @@ if [ -e "$here/setup.sh" ]; then
   step "1/6 Packages"
   scripts/setup.sh --no-tests
   step "2/6 Build"
-  cmake --build --preset release
+  cmake --build --preset release --target ld_render ld_train ld_export ld_denoise ld_eval
 else
   bin='' recipes=$here/recipes configs=$here/configs
 fi

@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(
-  build-essential cmake ninja-build ccache
+  build-essential cmake ninja-build ccache mold
   libtorch-dev
   libopenblas0-openmp        # with the reference BLAS everything is 40 times slower
   libopenblas-openmp-dev     # or others would bring the one with threads of its own, which fights with OpenMP's

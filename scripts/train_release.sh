@@ -5,7 +5,8 @@
 #
 # DATA is a data set (data/recipes/release.yaml, rendered so far as there was time for), MINUTES the length of one cycle (default 60).
 # Each network (configs/NAME.yaml) in turn is trained for one cycle of the learning rate, from where the last cycle ended: from
-# out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone, from random weights if there is neither. A cycle that was
+# out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone; the first cycle of samples_SIZE from the released
+# common_SIZE, whose features it has and others beside, which begin without effect; else from random weights. A cycle that was
 # interrupted goes on bit for bit when the script is started again. After a cycle whose validation beats the released weights' on the
 # same frames, those are replaced, with their card. Environment:
 #   NAMES   networks, in this order (default: common_fast common_fine means samples_fast samples_fine)
@@ -45,6 +46,8 @@ train_cycle() {
     begin=("init=$out/$name/cycle_$((n - 1))")
   elif [ -e "$released" ]; then
     begin=("init=$released")
+  elif [[ $name = samples_* ]] && [ -e "models/pretrained/common_${name#samples_}.safetensors" ]; then
+    begin=("init=models/pretrained/common_${name#samples_}.safetensors")
   fi
   # Later cycles need no long rise.
   if [ ${#begin[@]} -gt 0 ]; then rate=(optimizer.one_cycle.rise=0.1); fi

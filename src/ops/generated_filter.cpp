@@ -136,7 +136,7 @@ Tensor fused_splat(const FusedFilter& filter, bool joint, int64_t first_row) {
   run_splat(
       shape, joint, out.size(0), {Pictures<float>(filter.log_n), Pictures<float>(filter.values)}, make_stage,
       [&](int64_t b) {
-        return SplatResult{o[b], nullptr, nullptr};
+        return SplatResult{o[b], nullptr, nullptr, shape.plane()};
       },
       first_row);
   return unscaled(joint ? out : out.view(filter.values.sizes()), filter.sources);

@@ -42,7 +42,7 @@ class KernelSplat : public torch::autograd::Function<KernelSplat> {
     };
     run_splat(shape, joint, batch, {Pictures<float>(log_n), Pictures<float>(values)}, make_stage,
               [&](int64_t b) {
-                return SplatResult{o[b], m[b], i[b]};
+                return SplatResult{o[b], m[b], i[b], shape.plane()};
               });
     if (keep) context->save_for_backward({logits, log_n, values, out, largest, inverse});
     context->saved_data["joint"] = joint;
@@ -66,7 +66,8 @@ class KernelSplat : public torch::autograd::Function<KernelSplat> {
     for (int64_t b = 0; b < batch; ++b) {
       SplatDestinations to(shape, joint);
       at::parallel_for(0, shape.height, 1, [&](int64_t begin, int64_t end) {
-        for (int64_t y = begin; y < end; ++y) to.fill_row({o[b], m[b], i[b]}, g[b], shape.width, layers, y);
+        for (int64_t y = begin; y < end; ++y)
+          to.fill_row({o[b], m[b], i[b], shape.plane()}, g[b], shape.width, layers, y);
       });
       at::parallel_for(0, shape.height, 1, [&](int64_t begin, int64_t end) {
         SplatSourcesRow sources(shape, pixels);

@@ -72,7 +72,8 @@ void run_splat(const FilterShape& shape, bool joint, int64_t batch, const SplatI
       std::vector<SplatStrip*> of_picture;
       for (int64_t s = 0; s < strips; ++s)
         of_picture.push_back(memory[size_t(i / shape.height * strips + s)].get());
-      merge_row(shape, joint, of_picture, i % shape.height, result(i / shape.height));
+      const int64_t y = i % shape.height;
+      merge_row(shape, joint, of_picture, y, result(i / shape.height).at(y * shape.width));
     }
   });
 }

@@ -17,6 +17,13 @@ inline int64_t padded(int64_t pixels) {
   return (pixels + kPixelStep - 1) / kPixelStep * kPixelStep;
 }
 
+/// A row of planes: channel c of pixel x is data[c * pitch + x]. A pitch of 0 gives every channel the same
+/// row.
+struct PlanarRow {
+  const float* data = nullptr;
+  int64_t pitch = 0;
+};
+
 using Floats = hwy::AlignedFreeUniquePtr<float[]>;
 
 /// A matrix in the order in which multiply() reads it: blocks of 8 outputs, each input by input.

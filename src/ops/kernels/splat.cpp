@@ -117,8 +117,8 @@ void add_stretch(const FilterShape& shape, const SplatSourcesRow& sources, const
 void merge_layer_row(const FilterShape& shape, int64_t layer, const std::vector<SplatStrip*>& strips,
                      int64_t y, const SplatResult& result) {
   const D d;
-  const int64_t plane = shape.plane(), row = y * shape.width;
-  float* HWY_RESTRICT out = result.out + layer * shape.channels * plane + row;
+  const int64_t plane = result.plane;
+  float* HWY_RESTRICT out = result.out + layer * shape.channels * plane;
   SplatStrip* first = nullptr;
   for (SplatStrip* strip : strips) {
     if (!strip->holds(y)) continue;
@@ -159,8 +159,8 @@ void merge_layer_row(const FilterShape& shape, int64_t layer, const std::vector<
   }
   for (int64_t c = 0; c < shape.channels; ++c)
     std::copy_n(sums + (2 + c) * pitch, shape.width, out + c * plane);
-  if (result.largest != nullptr) std::copy_n(sums, shape.width, result.largest + layer * plane + row);
-  if (result.inverse != nullptr) std::copy_n(sums + pitch, shape.width, result.inverse + layer * plane + row);
+  if (result.largest != nullptr) std::copy_n(sums, shape.width, result.largest + layer * plane);
+  if (result.inverse != nullptr) std::copy_n(sums + pitch, shape.width, result.inverse + layer * plane);
 }
 
 /// Gradients of the exponents at one vector of sources from channels [c, c + kCount), added to those of the
@@ -295,7 +295,7 @@ SplatDestinations::SplatDestinations(const FilterShape& shape, bool joint)
 
 void SplatDestinations::fill_row(const SplatResult& saved, const float* gradient, int64_t width,
                                  int64_t layers, int64_t y) {
-  const int64_t plane = height_ * width, offset = y * width;
+  const int64_t plane = saved.plane, offset = y * width;
   for (int64_t l = 0; l < (joint_ ? 1 : layers); ++l) {
     float* to = row(l, y);
     std::copy_n(saved.largest + l * plane + offset, width, to);

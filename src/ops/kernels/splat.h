@@ -44,13 +44,20 @@ void splat_exponents(const FilterShape& shape, SplatSourcesRow& sources, int64_t
 void splat_stretch(const FilterShape& shape, const SplatSourcesRow& sources, const Stretch& at,
                    SplatStrip& strip);
 
-/// Where the results of a row go; the last two may be null.
+/// Where results go; the last two may be null.
 struct SplatResult {
-  float* out;      // [layers or 1][channels][H][W]
-  float* largest;  // [layers or 1][H][W]: the largest exponent
-  float* inverse;  // [layers or 1][H][W]: 1 / the sum of weights, 0 where nothing arrived
+  float* out;      // [layers or 1][channels]
+  float* largest;  // [layers or 1]: the largest exponent
+  float* inverse;  // [layers or 1]: 1 / the sum of weights, 0 where nothing arrived
+  int64_t plane;   // floats from one of these planes to the next
+
+  /// The same, `offset` pixels on.
+  SplatResult at(int64_t offset) const {
+    return {out + offset, largest == nullptr ? nullptr : largest + offset,
+            inverse == nullptr ? nullptr : inverse + offset, plane};
+  }
 };
-/// Row y of the result, from all strips that hold it.
+/// Row y of the result, from all strips that hold it; `result` is where that row goes.
 void merge_row(const FilterShape& shape, bool joint, const std::vector<SplatStrip*>& strips, int64_t y,
                const SplatResult& result);
 

@@ -57,27 +57,28 @@ TileNetwork::Scratch TileNetwork::make_scratch(int64_t pixels, bool backward) co
   return s;
 }
 
-void TileNetwork::begin_tile(Scratch& s, int64_t pixels) const {
+void TileNetwork::begin_tile(Scratch& s, int64_t pixels, PlanarRow shared) const {
   if (s.first_gradient != nullptr) std::fill_n(s.first_gradient, layers_[0].outputs * s.pitch, 0.0f);
   if (shared_inputs() == 0) return;
   TileProduct product;
   product.weights = &shared_[0];
-  product.in = s.shared;
+  product.in = shared.data;
+  product.in_pitch = shared.pitch;
   product.bias = layers_[0].biases;
   product.out = s.shared_sum;
-  product.in_pitch = product.out_pitch = s.pitch;
+  product.out_pitch = s.pitch;
   product.pixels = padded(pixels);
   multiply(product);
 }
 
-void TileNetwork::forward(Scratch& s, int64_t pixels, float* out, int64_t out_pitch) const {
+void TileNetwork::forward(Scratch& s, int64_t pixels, PlanarRow x, float* out, int64_t out_pitch) const {
   for (int64_t i = 0; i < depth(); ++i) {
     const size_t layer = size_t(i);
     const bool given = i + 1 == depth() && out != nullptr;
     TileProduct product;
     product.weights = &forward_[layer];
-    product.in = i == 0 ? s.x : s.a[layer - 1];
-    product.in_pitch = s.pitch;
+    product.in = i == 0 ? x.data : s.a[layer - 1];
+    product.in_pitch = i == 0 ? x.pitch : s.pitch;
     if (i == 0 && s.shared_sum != nullptr) {
       product.offset = s.shared_sum;
       product.offset_pitch = s.pitch;

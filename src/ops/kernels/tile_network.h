@@ -49,11 +49,18 @@ class TileNetwork {
   };
   Scratch make_scratch(int64_t pixels, bool backward) const;
 
-  /// scratch.shared -> scratch.shared_sum, once a tile.
-  void begin_tile(Scratch& scratch, int64_t pixels) const;
+  /// `shared` (scratch.shared, or rows elsewhere that are aligned alike) -> scratch.shared_sum, once a tile.
+  void begin_tile(Scratch& scratch, int64_t pixels, PlanarRow shared) const;
+  void begin_tile(Scratch& scratch, int64_t pixels) const {
+    begin_tile(scratch, pixels, {scratch.shared, scratch.pitch});
+  }
 
-  /// scratch.x -> scratch.a; the last layer goes to `out` [outputs][pitch] where that is given.
-  void forward(Scratch& scratch, int64_t pixels, float* out = nullptr, int64_t out_pitch = 0) const;
+  /// `x` (scratch.x, or rows elsewhere) -> scratch.a; the last layer goes to `out` [outputs][pitch] where
+  /// that is given.
+  void forward(Scratch& scratch, int64_t pixels, PlanarRow x, float* out, int64_t out_pitch) const;
+  void forward(Scratch& scratch, int64_t pixels, float* out = nullptr, int64_t out_pitch = 0) const {
+    forward(scratch, pixels, {scratch.x, scratch.pitch}, out, out_pitch);
+  }
 
   /// Where the gradients of weights and biases are summed.
   struct Sums {

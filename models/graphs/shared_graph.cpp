@@ -1,0 +1,75 @@
+#include "models/graphs/shared_graph.h"
+
+#include "frame/schema.h"
+
+namespace ld {
+
+using graph::Graph;
+using graph::Items;
+using graph::Value;
+using graph::ValueId;
+
+GraphInput add_input(Graph& graph, const NetworkConfig& config) {
+  const int64_t channels = channel_count(config.features);
+  const GraphInput input = {graph.add_value({"features", Items::samples, channels}),
+                            graph.add_value({"radiance", Items::samples, 3}),
+                            graph.add_value({"valid", Items::samples, 1})};
+  graph.nodes.push_back({graph::Encode{config.features}, {}, {input.features, input.radiance, input.valid}});
+  return input;
+}
+
+ValueId add_fully_connected(Graph& graph, const graph::FullyConnected& op, int64_t outputs, ValueId x,
+                            std::optional<ValueId> context) {
+  std::vector<ValueId> inputs = {x};
+  if (context) inputs.push_back(*context);
+  return graph.add(op, std::move(inputs), {op.weights, graph[x].items, outputs, graph[x].level});
+}
+
+namespace {
+
+/// Convolutions one after the other, the first on the channels of all inputs.
+ValueId add_block(Graph& graph, const std::string& name, const std::vector<int64_t>& widths,
+                  std::vector<ValueId> inputs) {
+  for (size_t i = 0; i < widths.size(); ++i) {
+    Value value = graph[inputs[0]];
+    // A block's modules are convolutions and activations in turn.
+    value.name = "unet." + name + "." + std::to_string(2 * i);
+    value.channels = widths[i];
+    const std::string weights = value.name;
+    inputs = {graph.add(graph::Convolution{weights, /*activated=*/true}, inputs, value)};
+  }
+  return inputs[0];
+}
+
+}  // namespace
+
+ValueId add_unet(Graph& graph, const UNetConfig& config, ValueId picture) {
+  const int levels = int(config.encoder.size());
+  graph.multiple = int64_t(1) << levels;
+  Value value = {"padded", Items::picture, graph[picture].channels, 0, /*padded=*/true};
+  ValueId x = graph.add(graph::Pad{}, {picture}, value);
+  std::vector<ValueId> skips;
+  for (int level = 0; level < levels; ++level) {
+    skips.push_back(x);
+    x = add_block(graph, "encoder" + std::to_string(level), config.encoder[size_t(level)], {x});
+    value = graph[x];
+    value.name = "pooled";
+    ++value.level;
+    x = graph.add(graph::MaxPool{}, {x}, value);
+  }
+  x = add_block(graph, "bottleneck", config.bottleneck, {x});
+  for (int block = 0; block < levels; ++block) {
+    value = graph[x];
+    value.name = "upsampled";
+    --value.level;
+    x = graph.add(graph::Upsample{config.upsampling == "bilinear"}, {x}, value);
+    x = add_block(graph, "decoder" + std::to_string(block), config.decoder[size_t(block)], {x, skips.back()});
+    skips.pop_back();
+  }
+  value = graph[x];
+  value.name = "context";
+  value.channels = config.context;
+  return graph.add(graph::Convolution{"unet.context", /*activated=*/false}, {x}, value);
+}
+
+}  // namespace ld

@@ -1,0 +1,25 @@
+// What the graphs of networks share: sample reducer, U-net ([MH20] figures 2 and 3). Names of weights are
+// those of the modules in models/.
+#pragma once
+
+#include <optional>
+
+#include "graph/graph.h"
+#include "models/network_config.h"
+
+namespace ld {
+
+/// The frame as a network sees it.
+struct GraphInput {
+  graph::ValueId features, radiance, valid;
+};
+GraphInput add_input(graph::Graph& graph, const NetworkConfig& config);
+
+/// x and the context -> the outputs of a fully connected network; its result has as many items as x.
+graph::ValueId add_fully_connected(graph::Graph& graph, const graph::FullyConnected& op, int64_t outputs,
+                                   graph::ValueId x, std::optional<graph::ValueId> context = std::nullopt);
+
+/// A picture of embeddings -> the context C_xy.
+graph::ValueId add_unet(graph::Graph& graph, const UNetConfig& config, graph::ValueId picture);
+
+}  // namespace ld

@@ -1,0 +1,48 @@
+// What a network does to a frame at inference: typed operators between values whose height, width and number
+// of samples are open. Free of LibTorch. Networks describe themselves (models/networks/*_graph.cpp); the
+// runtime runs it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "graph/operators.h"
+
+namespace ld::graph {
+
+/// What a value has one of, at each of its pixels.
+enum class Items { picture, samples, layers };
+
+/// [items, channels, ceil(H / 2^level), ceil(W / 2^level)], H and W those of the frame, or of its padded
+/// picture.
+struct Value {
+  std::string name;  // for people
+  Items items = Items::picture;
+  int64_t channels = 0;
+  int level = 0;
+  bool padded = false;  // of the picture whose sides are padded to Graph::multiple
+};
+
+/// A value by its place in Graph::values.
+using ValueId = size_t;
+
+struct Node {
+  Operator op;
+  std::vector<ValueId> inputs, outputs;
+};
+
+struct Graph {
+  int64_t layers = 0;    // items of values with layers
+  int64_t multiple = 1;  // of which the sides of padded pictures are a multiple
+  std::vector<Value> values;
+  std::vector<Node> nodes;  // each behind those that it reads
+  ValueId output = 0;       // [1, 3, H, W], linear radiance
+
+  ValueId add_value(Value value);
+  /// A node with one output.
+  ValueId add(Operator op, std::vector<ValueId> inputs, Value output);
+  const Value& operator[](ValueId id) const { return values[id]; }
+};
+
+}  // namespace ld::graph

@@ -1,0 +1,95 @@
+// The operators of a graph. Each says what it reads, what it makes and whose equation it is; shapes are
+// [items, channels], the two sides of the picture left out. Weights are named by the parameters of the
+// network's modules.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace ld::graph {
+
+/// The frame -> encoded features [S, F], radiance [S, 3], valid [S, 1] (frame/encoding.h).
+struct Encode {
+  std::vector<std::string> features;
+};
+
+/// x [n, C], valid [n, 1] -> the mean over the items that are valid [1, C]; 0 where a pixel has none.
+struct MaskedMean {};
+
+/// x [n, X] and, where there is a second input, context [1, Y] -> [n, outputs]: layers of leaky ReLU
+/// (ops/fully_connected.h). Parameters: <weights>.<layer>.weight and .bias.
+struct FullyConnected {
+  std::string weights;
+  int64_t depth = 1;
+  bool activate_last = false;
+  double bound = 0;
+};
+
+/// [1, C] -> the same, its last row and column repeated to the padded sides.
+struct Pad {};
+
+/// 3x3, zeros beyond the padded border (models/unet.h). All inputs have one size: their channels follow one
+/// another.
+struct Convolution {
+  std::string weights;
+  bool activated = true;
+};
+
+/// 2x2, to the next level.
+struct MaxPool {};
+
+/// Twice the sides, from the next level.
+struct Upsample {
+  bool bilinear = true;
+};
+
+/// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what Modulate
+/// needs [1, 4] (models/demodulation.h). First channels of the features that are there, else -1.
+struct Demodulate {
+  int64_t albedo = -1, specular = -1;
+};
+
+/// logits [S, N], valid [S, 1], radiance [S, C], embedding [S, E] -> log n [N, 1], radiance [N, C], opacity
+/// [N, 1], embedding [N, E] and, with alpha, transmittance [N, 1] (ops/partition.h; [MH20] eq. 1 and 2).
+struct Partition {
+  bool alpha = true;
+};
+
+/// log n [n, 1], embedding [n, E], context [1, C] -> log n [n, 1] (models/rejection.h).
+struct Reject {
+  std::string weights;
+};
+
+/// embedding [n, E], context [1, Y], log n [n, 1] and values [n, ...] one behind the other -> [n or 1,
+/// channels]: each pixel's light scattered with a kernel from the generator ([MH20] eq. 3 and 4;
+/// ops/generated_filter.h).
+struct Splat {
+  FullyConnected generator;
+  int64_t kernel = 1;
+  bool joint = false;  // over all layers, to one result
+};
+
+/// [N, C + 1], the transmittance last -> [1, C] ([MH20] eq. 5; models/compositor.h).
+struct Composite {};
+
+/// filtered [1, 6], modulators [1, 4], context [1, C] -> [1, 3] (models/demodulation.h).
+struct Modulate {
+  std::string weights;
+};
+
+using Operator = std::variant<Encode, MaskedMean, FullyConnected, Pad, Convolution, MaxPool, Upsample,
+                              Demodulate, Partition, Reject, Splat, Composite, Modulate>;
+
+/// Source rows that a splat adds up before it puts them together with others': a fixed number, so that its
+/// bits depend on nothing else.
+constexpr int64_t kSplatRows = 32;
+
+/// Rows of an input that an operator reads for its rows [begin, end): up to rows_read_to(end), and of the
+/// rows before rows_read_from(begin) none any more once all rows before `begin` are made. Both within [0,
+/// height], the input's.
+int64_t rows_read_to(const Operator& op, int64_t end, int64_t height);
+int64_t rows_read_from(const Operator& op, int64_t begin, int64_t height);
+
+}  // namespace ld::graph

@@ -1,0 +1,55 @@
+#include <algorithm>
+
+#include "graph/operators.h"
+
+namespace ld::graph {
+namespace {
+
+/// One past the last input row for output rows before `end`.
+struct ReadTo {
+  int64_t end, height;
+  template <class Op>
+  int64_t operator()(const Op&) const {
+    return end;
+  }
+  int64_t operator()(const Convolution&) const { return end + 1; }
+  int64_t operator()(const MaxPool&) const { return 2 * end; }
+  /// Bilinear: row y blends (y - 1) / 2 and (y + 1) / 2.
+  int64_t operator()(const Upsample& op) const { return op.bilinear ? end / 2 + 1 : (end + 1) / 2; }
+  /// Whole strips of sources.
+  int64_t operator()(const Splat& op) const {
+    return (end + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
+  }
+  int64_t operator()(const Modulate&) const { return end + 1; }
+};
+
+/// The first input row that output rows from `begin` on still read.
+struct ReadFrom {
+  int64_t begin, height;
+  template <class Op>
+  int64_t operator()(const Op&) const {
+    return begin;
+  }
+  /// The last row is there again for those that are padded to.
+  int64_t operator()(const Pad&) const { return std::min(begin, height - 1); }
+  int64_t operator()(const Convolution&) const { return begin - 1; }
+  int64_t operator()(const MaxPool&) const { return 2 * begin; }
+  int64_t operator()(const Upsample& op) const { return op.bilinear ? (begin + 1) / 2 - 1 : begin / 2; }
+  /// What the rows before have read is summed already.
+  int64_t operator()(const Splat& op) const {
+    return begin == 0 ? 0 : (begin + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
+  }
+  int64_t operator()(const Modulate&) const { return begin - 1; }
+};
+
+}  // namespace
+
+int64_t rows_read_to(const Operator& op, int64_t end, int64_t height) {
+  return std::clamp<int64_t>(std::visit(ReadTo{end, height}, op), 0, height);
+}
+
+int64_t rows_read_from(const Operator& op, int64_t begin, int64_t height) {
+  return std::clamp<int64_t>(std::visit(ReadFrom{begin, height}, op), 0, height);
+}
+
+}  // namespace ld::graph

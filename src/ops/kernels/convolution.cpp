@@ -1,0 +1,115 @@
+#include "ops/kernels/convolution.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "ops/kernels/convolution.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace ld {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+
+// Accumulators, as in dense.cpp: outputs x vectors of pixels.
+constexpr bool kManyRegisters = HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM;
+constexpr int kOutputs = kManyRegisters ? 8 : 4;
+constexpr int kVectors = 3;
+
+/// Outputs [o, o + kMr), kNv vectors of pixels from x.
+template <int kMr, int kNv>
+HWY_INLINE void convolve_block(const ConvolutionRow& t, int64_t o, int64_t x) {
+  const D d;
+  const int64_t lanes = int64_t(hn::Lanes(d));
+  const float* HWY_RESTRICT w = t.weights->block(o) + o % PackedConvolution::kBlock;
+  V sum[kMr][kNv];
+#pragma GCC unroll 8
+  for (int r = 0; r < kMr; ++r)
+#pragma GCC unroll 3
+    for (int v = 0; v < kNv; ++v) sum[r][v] = hn::Set(d, t.weights->biases()[o + r]);
+  for (const ConvolutionSource& source : t.sources)
+    for (int64_t c = 0; c < source.channels; ++c)
+      for (const PlanarRow& row : source.rows) {
+        const float* HWY_RESTRICT in = row.data + c * row.pitch + x - 1;
+#pragma GCC unroll 3
+        for (int dx = 0; dx < 3; ++dx) {
+          V pixels[kNv];
+#pragma GCC unroll 3
+          for (int v = 0; v < kNv; ++v) pixels[v] = hn::LoadU(d, in + dx + v * lanes);
+#pragma GCC unroll 8
+          for (int r = 0; r < kMr; ++r) {
+            const V weight = hn::Set(d, w[r]);
+#pragma GCC unroll 3
+            for (int v = 0; v < kNv; ++v) sum[r][v] = hn::MulAdd(weight, pixels[v], sum[r][v]);
+          }
+          w += PackedConvolution::kBlock;
+        }
+      }
+#pragma GCC unroll 8
+  for (int r = 0; r < kMr; ++r)
+#pragma GCC unroll 3
+    for (int v = 0; v < kNv; ++v) {
+      V result = sum[r][v];
+      if (t.activated) result = hn::Max(result, hn::Mul(result, hn::Set(d, float(kLeakySlope))));
+      hn::Store(result, d, t.out + (o + r) * t.out_pitch + x + v * lanes);
+    }
+}
+
+template <int kNv>
+HWY_INLINE void convolve_pixels(const ConvolutionRow& t, int64_t x) {
+  int64_t o = 0;
+  const int64_t outputs = t.weights->outputs;
+  for (; o + kOutputs <= outputs; o += kOutputs) convolve_block<kOutputs, kNv>(t, o, x);
+  if (kOutputs > 4 && o + 4 <= outputs) {
+    convolve_block<4, kNv>(t, o, x);
+    o += 4;
+  }
+  if (o + 2 <= outputs) {
+    convolve_block<2, kNv>(t, o, x);
+    o += 2;
+  }
+  if (o < outputs) convolve_block<1, kNv>(t, o, x);
+}
+
+void convolve_row(const ConvolutionRow& t) {
+  const int64_t lanes = int64_t(hn::Lanes(D()));
+  int64_t x = t.begin;
+  for (; x + kVectors * lanes <= t.end; x += kVectors * lanes) convolve_pixels<kVectors>(t, x);
+  for (; x < t.end; x += lanes) convolve_pixels<1>(t, x);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ld
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ld {
+
+HWY_EXPORT(convolve_row);
+
+PackedConvolution::PackedConvolution(const float* weights, const float* biases, int64_t outputs_in,
+                                     int64_t inputs_in)
+    : outputs(outputs_in), inputs(inputs_in), biases_(biases, biases + outputs_in) {
+  const int64_t taps = inputs * 9, blocks = (outputs + kBlock - 1) / kBlock;
+  data_ = hwy::AllocateAligned<float>(size_t(blocks * kBlock * taps));
+  std::fill_n(data_.get(), blocks * kBlock * taps, 0.0f);
+  for (int64_t o = 0; o < outputs; ++o)
+    for (int64_t tap = 0; tap < taps; ++tap)
+      data_[size_t(o / kBlock * kBlock * taps + tap * kBlock + o % kBlock)] = weights[o * taps + tap];
+}
+
+void convolve(const ConvolutionRow& row) {
+  HWY_DYNAMIC_DISPATCH(convolve_row)(row);
+  // Zeros again where the next convolution takes what it reads for the border.
+  const int64_t first = std::max(row.begin, row.width);
+  if (row.end <= first) return;
+  for (int64_t o = 0; o < row.weights->outputs; ++o)
+    std::fill(row.out + o * row.out_pitch + first, row.out + o * row.out_pitch + row.end, 0.0f);
+}
+
+}  // namespace ld
+#endif

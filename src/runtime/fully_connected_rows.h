@@ -1,0 +1,34 @@
+// A fully connected network of a graph on rows of windows.
+#pragma once
+
+#include "graph/operators.h"
+#include "ops/kernels/tile_network.h"
+#include "runtime/named_weights.h"
+
+namespace ld {
+
+/// Of `depth` layers named <weights>.0, <weights>.1, ..., whose first reads x_inputs channels and then those
+/// that all items of a pixel share. `outputs`, where it is not 0: only so many of the last layer's, from the
+/// first on.
+inline TileNetwork tile_network(const graph::FullyConnected& op, const NamedWeights& weights,
+                                int64_t x_inputs, int64_t outputs = 0) {
+  std::vector<TileNetwork::Layer> layers;
+  for (int64_t i = 0; i < op.depth; ++i) {
+    const std::string name = op.weights + "." + std::to_string(i);
+    const NamedWeight& weight = weights.at(name + ".weight");
+    layers.push_back(
+        {weight.values.data(), weights.at(name + ".bias").values.data(), weight.shape[0], weight.shape[1]});
+  }
+  if (outputs > 0) layers.back().outputs = outputs;
+  return {std::move(layers), x_inputs, {op.activate_last, float(op.bound)}, /*for_backward=*/false};
+}
+
+/// The one layer of one output <weights>.0: its bias, then a weight for each input.
+inline std::vector<float> one_output(const std::string& name, const NamedWeights& weights) {
+  std::vector<float> values = weights.at(name + ".0.bias").values;
+  const std::vector<float>& of_inputs = weights.at(name + ".0.weight").values;
+  values.insert(values.end(), of_inputs.begin(), of_inputs.end());
+  return values;
+}
+
+}  // namespace ld

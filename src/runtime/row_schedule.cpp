@@ -1,0 +1,93 @@
+#include "runtime/row_schedule.h"
+
+#include <algorithm>
+
+namespace ld {
+
+using graph::Graph;
+using graph::Items;
+using graph::Node;
+using graph::Value;
+using graph::ValueId;
+
+ValueExtent extent_of(const Graph& graph, ValueId id, const PictureExtent& picture) {
+  const Value& value = graph[id];
+  const auto side = [&](int64_t n) {
+    if (value.padded) n = (n + graph.multiple - 1) / graph.multiple * graph.multiple;
+    const int64_t scale = int64_t(1) << value.level;
+    return (n + scale - 1) / scale;
+  };
+  const int64_t items = value.items == Items::samples  ? picture.samples
+                        : value.items == Items::layers ? graph.layers
+                                                       : 1;
+  return {items * value.channels, side(picture.height), side(picture.width)};
+}
+
+/// How far everything has come.
+struct RowSchedule::Walk {
+  const RowSchedule& schedule;
+  const Run& run;
+  std::vector<int64_t> made;  // rows of each node
+
+  Walk(const RowSchedule& s, const Run& r) : schedule(s), run(r), made(s.graph_.nodes.size(), 0) {}
+
+  /// The first row of a value that somebody will read.
+  int64_t first_needed(ValueId id) const {
+    int64_t first = made[schedule.producer_[id]];
+    for (const size_t consumer : schedule.consumers_[id])
+      first = std::min(first, graph::rows_read_from(schedule.graph_.nodes[consumer].op, made[consumer],
+                                                    schedule.extents_[id].height));
+    return first;
+  }
+
+  /// Makes rows of a node until there are `end`.
+  void advance(size_t index, int64_t end) {
+    const Node& node = schedule.graph_.nodes[index];
+    const ValueId output = node.outputs[0];
+    const int64_t step = std::max<int64_t>(schedule.block_ >> schedule.graph_[output].level, 1);
+    end = std::min(end, schedule.extents_[output].height);
+    while (made[index] < end) {
+      const int64_t next = std::min(made[index] + step, schedule.extents_[output].height);
+      for (const ValueId input : node.inputs)
+        advance(schedule.producer_[input],
+                graph::rows_read_to(node.op, next, schedule.extents_[input].height));
+      run(index, made[index], next);
+      made[index] = next;
+    }
+  }
+};
+
+RowSchedule::RowSchedule(const Graph& graph, const PictureExtent& picture, int64_t block)
+    : graph_(graph),
+      block_(block),
+      producer_(graph.values.size()),
+      consumers_(graph.values.size()),
+      capacity_(graph.values.size(), 0) {
+  for (ValueId id = 0; id < graph.values.size(); ++id) extents_.push_back(extent_of(graph, id, picture));
+  for (size_t n = 0; n < graph.nodes.size(); ++n) {
+    for (const ValueId output : graph.nodes[n].outputs) producer_[output] = n;
+    for (const ValueId input : graph.nodes[n].inputs) consumers_[input].push_back(n);
+  }
+  // The same walk without doing anything says how many rows have to be there.
+  const Walk* at = nullptr;
+  const Run look = [&](size_t node, int64_t, int64_t end) {
+    for (const ValueId output : graph.nodes[node].outputs)
+      capacity_[output] = std::max(capacity_[output], end - at->first_needed(output));
+  };
+  Walk walk(*this, look);
+  at = &walk;
+  for (int64_t end = block; walk.made[producer_[graph.output]] < extents_[graph.output].height; end += block)
+    walk.advance(producer_[graph.output], end);
+}
+
+void RowSchedule::walk(const Run& run, const Done& done) const {
+  Walk walk(*this, run);
+  const size_t last = producer_[graph_.output];
+  const int64_t height = extents_[graph_.output].height;
+  for (int64_t begin = 0; begin < height; begin = walk.made[last]) {
+    walk.advance(last, std::min(begin + block_, height));
+    done(begin, walk.made[last]);
+  }
+}
+
+}  // namespace ld

@@ -1,0 +1,49 @@
+// The order in which the rows of a graph's values are made, and how many of each must exist at a time.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "graph/graph.h"
+
+namespace ld {
+
+/// Of a frame.
+struct PictureExtent {
+  int64_t samples = 0, height = 0, width = 0;
+};
+
+/// Height, width and planes of a value for such a frame.
+struct ValueExtent {
+  int64_t planes, height, width;
+};
+ValueExtent extent_of(const graph::Graph& graph, graph::ValueId id, const PictureExtent& picture);
+
+/// Every row of every value is made once, when something is to read it, and forgotten when nothing will any
+/// more. So no result depends on how many rows are made at a time.
+class RowSchedule {
+ public:
+  /// About `block` rows of full resolution are made at a time.
+  RowSchedule(const graph::Graph& graph, const PictureExtent& picture, int64_t block);
+
+  /// Rows of a value that exist at a time.
+  int64_t capacity(graph::ValueId id) const { return capacity_[id]; }
+
+  /// run(node, begin, end) makes those rows of what the node puts out. Calls done(begin, end) whenever rows
+  /// of the graph's output are there.
+  using Run = std::function<void(size_t node, int64_t begin, int64_t end)>;
+  using Done = std::function<void(int64_t begin, int64_t end)>;
+  void walk(const Run& run, const Done& done) const;
+
+ private:
+  struct Walk;
+
+  const graph::Graph& graph_;
+  int64_t block_;
+  std::vector<ValueExtent> extents_;
+  std::vector<size_t> producer_;                // of each value
+  std::vector<std::vector<size_t>> consumers_;  // of each value
+  std::vector<int64_t> capacity_;
+};
+
+}  // namespace ld

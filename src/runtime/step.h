@@ -1,0 +1,59 @@
+// An operator of a graph at work: makes rows of its outputs from the rows of its inputs.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "frame/frame.h"
+#include "graph/graph.h"
+#include "runtime/named_weights.h"
+#include "runtime/row_window.h"
+#include "runtime/row_schedule.h"
+
+namespace ld {
+
+class Step {
+ public:
+  virtual ~Step() = default;
+  /// The rows before `begin` are made, those that are read of the inputs are there.
+  virtual void run(int64_t begin, int64_t end) = 0;
+  /// Before row 0 of a frame.
+  virtual void start() {}
+};
+
+/// What steps work in. It outlives them.
+struct StepContext {
+  const graph::Graph& graph;
+  const NamedWeights& weights;
+  PictureExtent picture;
+  int threads = 1;
+  std::vector<RowWindow> windows;  // of each value
+
+  // Of the frame that runs.
+  const Frame* frame = nullptr;
+  float value_scale = 1;  // of radiance in filters, whose sums could overflow (ops/finite_sources.h)
+
+  const RowWindow& input(const graph::Node& node, size_t i) const { return windows[node.inputs[i]]; }
+  const RowWindow& output(const graph::Node& node, size_t i = 0) const { return windows[node.outputs[i]]; }
+  int64_t items(graph::ValueId id) const { return windows[id].planes / graph[id].channels; }
+};
+
+std::unique_ptr<Step> make_step(const graph::Node& node, StepContext& context);
+
+// One for each operator; files by kind: steps_input.cpp, steps_unet.cpp, steps_pixel.cpp, steps_filter.cpp.
+std::unique_ptr<Step> make_step(const graph::Encode& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::MaskedMean& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::FullyConnected& op, const graph::Node& node,
+                                StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Pad& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::MaxPool& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Upsample& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Demodulate& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Partition& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Reject& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Composite& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
+
+}  // namespace ld

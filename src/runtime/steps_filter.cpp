@@ -1,0 +1,256 @@
+// From layers to the picture: kernels, compositing and modulation.
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+
+#include "models/network_numbers.h"
+#include "ops/kernels/splat.h"
+#include "runtime/fully_connected_rows.h"
+#include "runtime/parallel.h"
+#include "runtime/step.h"
+
+namespace ld {
+namespace {
+
+class SplatStep : public Step {
+ public:
+  SplatStep(const graph::Splat& op, const graph::Node& node, StepContext& context)
+      : context_(context),
+        joint_(op.joint),
+        embedding_(context.input(node, 0)),
+        shared_(context.input(node, 1)),
+        log_n_(context.input(node, 2)),
+        out_(context.output(node)),
+        network_(tile_network(op.generator, context.weights, embedding_.planes / log_n_.planes,
+                              op.kernel * op.kernel)) {
+    int64_t channels = 0;
+    for (size_t i = 3; i < node.inputs.size(); ++i) {
+      values_.push_back(context.input(node, i));
+      channels += values_.back().planes / log_n_.planes;
+    }
+    shape_ = {log_n_.planes, op.kernel, channels, embedding_.height, embedding_.width};
+    pixels_ = stretch_pixels(shape_.layers * shape_.taps(), shape_.width);
+    for (int t = 0; t < context.threads; ++t) workers_.emplace_back(network_, shape_, pixels_);
+  }
+
+  void start() override {
+    strips_.clear();
+    next_ = 0;
+  }
+
+  void run(int64_t begin, int64_t end) override {
+    add_strips((std::min(end + shape_.radius(), shape_.height) + graph::kSplatRows - 1) / graph::kSplatRows);
+    std::vector<SplatStrip*> strips;
+    for (const auto& strip : strips_) strips.push_back(strip.get());
+    parallel_for(context_.threads, end - begin, [&](int64_t i, int) {
+      const int64_t y = begin + i;
+      merge_row(shape_, joint_, strips, y, {out_.row(y), nullptr, nullptr, out_.pitch});
+      if (context_.value_scale != 1)
+        for (int64_t c = 0; c < out_.planes; ++c)
+          for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= context_.value_scale;
+    });
+    while (!strips_.empty() && reach_of_front() <= end) strips_.pop_front();
+  }
+
+ private:
+  struct Worker {
+    TileNetwork::Scratch scratch;
+    SplatSourcesRow sources;
+    std::vector<float> finite;
+    Worker(const TileNetwork& network, const FilterShape& shape, int64_t pixels)
+        : scratch(network.make_scratch(pixels, false)), sources(shape, pixels), finite(size_t(pixels)) {}
+  };
+
+  /// One past the last row that the first strip reaches.
+  int64_t reach_of_front() const {
+    const int64_t number = next_ - int64_t(strips_.size());
+    return std::min((number + 1) * graph::kSplatRows + shape_.radius(), shape_.height);
+  }
+
+  /// Sums up the sources of all strips before `count`.
+  void add_strips(int64_t count) {
+    const int64_t first = next_, more = std::max<int64_t>(count - next_, 0);
+    std::vector<std::unique_ptr<SplatStrip>> made(static_cast<size_t>(more));
+    parallel_for(context_.threads, more, [&](int64_t i, int thread) {
+      made[size_t(i)] = sum_up((first + i) * graph::kSplatRows, workers_[size_t(thread)]);
+    });
+    for (auto& strip : made) strips_.push_back(std::move(strip));
+    next_ += more;
+  }
+
+  std::unique_ptr<SplatStrip> sum_up(int64_t first, Worker& worker) const {
+    const int64_t last = std::min(first + graph::kSplatRows, shape_.height);
+    auto strip = std::make_unique<SplatStrip>(shape_, joint_, first, last);
+    // Column by column: the rows that a stretch reaches stay in the cache for the next row's.
+    for (int64_t x = 0; x < shape_.width; x += pixels_)
+      for (int64_t y = first; y < last; ++y) {
+        const Stretch at{y, x, std::min(pixels_, shape_.width - x)};
+        stage_stretch(at, worker);
+        splat_exponents(shape_, worker.sources, at.count);
+        splat_stretch(shape_, worker.sources, at, *strip);
+      }
+    return strip;
+  }
+
+  void stage_stretch(const Stretch& at, Worker& worker) const {
+    SplatSourcesRow& sources = worker.sources;
+    network_.begin_tile(worker.scratch, at.count, {shared_.row(at.y) + at.x, shared_.pitch});
+    for (int64_t l = 0; l < shape_.layers; ++l)
+      network_.forward(worker.scratch, at.count,
+                       {embedding_.row(at.y, l * network_.x_inputs()) + at.x, embedding_.pitch},
+                       sources.logits.row(l * shape_.taps()), sources.logits.pitch());
+    stage({log_n_.row(at.y) + at.x, shape_.layers, log_n_.pitch}, at.count, sources.log_n.row(0),
+          sources.log_n.pitch());
+    for (int64_t l = 0; l < shape_.layers; ++l) stage_values(at, l, worker);
+  }
+
+  /// A pixel's layer whose values or weight are not finite sends nothing (ops/finite_sources.h).
+  void stage_values(const Stretch& at, int64_t l, Worker& worker) const {
+    SplatSourcesRow& sources = worker.sources;
+    float* log_n = sources.log_n.row(l);
+    float* finite = worker.finite.data();
+    for (int64_t x = 0; x < at.count; ++x)
+      finite[x] = log_n[x] < std::numeric_limits<float>::infinity() ? 1.0f : 0.0f;
+    int64_t c = 0;
+    for (const RowWindow& values : values_) {
+      const int64_t channels = values.planes / shape_.layers;
+      for (int64_t i = 0; i < channels; ++i, ++c) {
+        const float* __restrict from = values.row(at.y, l * channels + i) + at.x;
+        float* __restrict to = sources.values.row(l * shape_.channels + c);
+        for (int64_t x = 0; x < at.count; ++x) {
+          const bool good = std::fabs(from[x]) <= std::numeric_limits<float>::max();
+          to[x] = good ? from[x] * context_.value_scale : 0.0f;
+          finite[x] = good ? finite[x] : 0.0f;
+        }
+        std::fill(to + at.count, to + padded(at.count), 0.0f);
+      }
+    }
+    for (int64_t x = 0; x < at.count; ++x)
+      if (finite[x] == 0) {
+        log_n[x] = -std::numeric_limits<float>::infinity();
+        for (int64_t i = 0; i < shape_.channels; ++i) sources.values.row(l * shape_.channels + i)[x] = 0;
+      }
+  }
+
+  StepContext& context_;
+  bool joint_;
+  RowWindow embedding_, shared_, log_n_, out_;
+  std::vector<RowWindow> values_;
+  TileNetwork network_;
+  FilterShape shape_{};
+  int64_t pixels_ = 0;
+  std::vector<Worker> workers_;
+  std::deque<std::unique_ptr<SplatStrip>> strips_;  // those that rows to come still need
+  int64_t next_ = 0;                                // the number of the first strip that is not made
+};
+
+class CompositeStep : public Step {
+ public:
+  CompositeStep(const graph::Node& node, StepContext& context)
+      : context_(context),
+        in_(context.input(node, 0)),
+        out_(context.output(node)),
+        visible_(size_t(context.threads), std::vector<float>(size_t(in_.width))) {}
+
+  void run(int64_t begin, int64_t end) override {
+    parallel_for(context_.threads, end - begin,
+                 [&](int64_t i, int thread) { row(begin + i, visible_[size_t(thread)].data()); });
+  }
+
+ private:
+  void row(int64_t y, float* __restrict visible) const {
+    const int64_t colours = out_.planes, width = out_.width, layers = in_.planes / (colours + 1);
+    for (int64_t c = 0; c < colours; ++c) std::copy_n(in_.row(y, c), width, out_.row(y, c));
+    std::copy_n(in_.row(y, colours), width, visible);
+    for (int64_t l = 1; l < layers; ++l) {
+      for (int64_t c = 0; c < colours; ++c) {
+        const float* __restrict layer = in_.row(y, l * (colours + 1) + c);
+        float* __restrict out = out_.row(y, c);
+        for (int64_t x = 0; x < width; ++x) out[x] += visible[x] * layer[x];
+      }
+      const float* __restrict transmittance = in_.row(y, l * (colours + 1) + colours);
+      for (int64_t x = 0; x < width; ++x) visible[x] *= transmittance[x];
+    }
+  }
+
+  StepContext& context_;
+  RowWindow in_, out_;
+  std::vector<std::vector<float>> visible_;
+};
+
+class ModulateStep : public Step {
+ public:
+  ModulateStep(const graph::Modulate& op, const graph::Node& node, StepContext& context)
+      : context_(context),
+        filtered_(context.input(node, 0)),
+        modulators_(context.input(node, 1)),
+        shared_(context.input(node, 2)),
+        out_(context.output(node)),
+        weights_(one_output(op.weights, context.weights)),
+        beta_(size_t(context.threads), std::vector<float>(size_t(out_.width))) {}
+
+  void run(int64_t begin, int64_t end) override {
+    parallel_for(context_.threads, end - begin,
+                 [&](int64_t i, int thread) { row(begin + i, beta_[size_t(thread)].data()); });
+  }
+
+ private:
+  /// The mean of the variance over the 3x3 pixels that are there.
+  float variance(int64_t y, int64_t x) const {
+    float sum = 0;
+    int count = 0;
+    for (int64_t v = std::max<int64_t>(y - 1, 0); v <= std::min(y + 1, out_.height - 1); ++v)
+      for (int64_t u = std::max<int64_t>(x - 1, 0); u <= std::min(x + 1, out_.width - 1); ++u) {
+        sum += modulators_.row(v, 3)[u];
+        ++count;
+      }
+    return sum / float(count);
+  }
+
+  void row(int64_t y, float* __restrict beta) const {
+    const int64_t width = out_.width;
+    for (int64_t x = 0; x < width; ++x)
+      beta[x] = weights_[0] + weights_[1] * std::exp(-float(kSteadyFalloff) * variance(y, x));
+    for (int64_t c = 0; c < shared_.planes; ++c) {
+      const float* __restrict values = shared_.row(y, c);
+      const float weight = weights_[size_t(2 + c)];
+      for (int64_t x = 0; x < width; ++x) beta[x] += weight * values[x];
+    }
+    for (int64_t x = 0; x < width; ++x) {
+      float mean = 0, plain = 0;
+      for (int64_t c = 0; c < 3; ++c) {
+        mean = std::max(mean, modulators_.row(y, c)[x]);
+        plain = std::max(plain, filtered_.row(y, 3 + c)[x]);
+      }
+      const bool off = mean == 0 || plain > float(kLargestModulated);
+      beta[x] = off ? 0.0f : 1 / (1 + std::exp(-beta[x]));
+    }
+    for (int64_t c = 0; c < 3; ++c) {
+      const float* __restrict mean = modulators_.row(y, c);
+      const float* __restrict divided = filtered_.row(y, c);
+      const float* __restrict plain = filtered_.row(y, 3 + c);
+      float* __restrict out = out_.row(y, c);
+      for (int64_t x = 0; x < width; ++x) out[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
+    }
+  }
+
+  StepContext& context_;
+  RowWindow filtered_, modulators_, shared_, out_;
+  std::vector<float> weights_;
+  std::vector<std::vector<float>> beta_;
+};
+
+}  // namespace
+
+std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node, StepContext& context) {
+  return std::make_unique<SplatStep>(op, node, context);
+}
+std::unique_ptr<Step> make_step(const graph::Composite&, const graph::Node& node, StepContext& context) {
+  return std::make_unique<CompositeStep>(node, context);
+}
+std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context) {
+  return std::make_unique<ModulateStep>(op, node, context);
+}
+
+}  // namespace ld

@@ -1,0 +1,136 @@
+// The runtime against the networks that it stands for, in LibTorch.
+#include <gtest/gtest.h>
+
+#include "dataset/input_tensors.h"
+#include "models/graphs/layer_graph.h"
+#include "ops/kernels/instruction_sets.h"
+#include "runtime/executor.h"
+#include "tests/models/small_network.h"
+#include "tests/support/random_frame.h"
+
+namespace ld {
+namespace {
+
+NamedWeights weights_of(const Network& network) {
+  NamedWeights weights;
+  for (const auto& entry : network.named_parameters()) {
+    const torch::Tensor values = entry.value().detach().to(torch::kFloat32).contiguous();
+    weights.add(entry.key(), {values.sizes().vec(),
+                              {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()}});
+  }
+  return weights;
+}
+
+/// A frame of which some samples are missing, one pixel has none, and the light spans ten octaves.
+Frame uneven_frame(int width, int height, int spp) {
+  Frame frame = random_frame(width, height, spp, 7);
+  RandomStream random(8, RandomPurpose::test);
+  for (int s = 0; s < spp; ++s)
+    for (size_t p = 0; p < frame.plane_size(); ++p) {
+      const float light = std::exp2(10 * random.uniform(0.0F, 1.0F) - 5);
+      for (int c = 0; c < 3; ++c) frame.plane(s, c)[p] *= light;
+      for (const char* name : {"albedo", "specular"})
+        for (int c = 0; c < 3; ++c) {
+          float& value = frame.plane(s, find_feature(name).offset + c)[p];
+          value = std::max(value, 0.0F);
+        }
+      if (p != 0 && random.uniform(0.0F, 1.0F) > 0.2F) continue;
+      frame.valid_plane(s)[p] = 0;
+      for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[p] = 0;
+    }
+  return frame;
+}
+
+Image in_torch(Network& network, const Frame& frame) {
+  const torch::NoGradGuard no_graph;
+  return to_image(network.forward(FrameInput(frame, network.config().features)).squeeze(0));
+}
+
+Image in_runtime(const NetworkConfig& config, const NamedWeights& weights, const Frame& frame,
+                 const ExecutionOptions& options) {
+  const graph::Graph graph = layer_graph(config);
+  return Execution(graph, weights, {frame.spp, frame.height, frame.width}, options).run(frame);
+}
+
+float largest_difference(const Image& a, const Image& b) {
+  float most = 0;
+  for (size_t i = 0; i < a.pixels.size(); ++i) most = std::max(most, std::fabs(a.pixels[i] - b.pixels[i]));
+  return most;
+}
+
+std::vector<NetworkConfig> layer_configs() {
+  std::vector<NetworkConfig> configs;
+  for (const NetworkConfig& config : every_config())
+    if (config.name == "layer") configs.push_back(config);
+  NetworkConfig nearest = configs[0];
+  nearest.unet.upsampling = "nearest";
+  nearest.layers = 3;
+  configs.push_back(nearest);
+  return configs;
+}
+
+TEST(LayerParity, TheGraphGivesThePictureOfTheNetwork) {
+  for (const NetworkConfig& config : layer_configs())
+    for (const auto& [width, height, spp] : {std::tuple(1, 1, 1), std::tuple(7, 5, 3), std::tuple(33, 70, 2),
+                                             std::tuple(131, 37, 1), std::tuple(16, 16, 64)}) {
+      const auto network = small_network(config, torch::kFloat32);
+      const Frame frame = uneven_frame(width, height, spp);
+      const Image expected = in_torch(*network, frame);
+      const float largest = *std::max_element(expected.pixels.begin(), expected.pixels.end());
+      const Image found = in_runtime(config, weights_of(*network), frame, {});
+      EXPECT_LE(largest_difference(found, expected), 1e-5F * largest)
+          << title(config) << ", " << width << " x " << height << " at " << spp;
+    }
+}
+
+TEST(LayerParity, OnEveryInstructionSet) {
+  const NetworkConfig config = layer_configs()[1];
+  const auto network = small_network(config, torch::kFloat32);
+  const Frame frame = uneven_frame(45, 39, 4);
+  for (const std::string& set : instruction_sets()) {
+    use_instruction_set(set);
+    const Image expected = in_torch(*network, frame);
+    const float largest = *std::max_element(expected.pixels.begin(), expected.pixels.end());
+    EXPECT_LE(largest_difference(in_runtime(config, weights_of(*network), frame, {}), expected),
+              1e-5F * largest)
+        << set;
+  }
+  use_instruction_set("");
+}
+
+TEST(LayerParity, RowsAtATimeAndThreadsChangeNoBit) {
+  for (const NetworkConfig& config : layer_configs()) {
+    const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
+    const Frame frame = uneven_frame(50, 101, 3);
+    const Image expected = in_runtime(config, weights, frame, {});
+    for (const int64_t block : {1, 5, 16, 64, 1000})
+      for (const int threads : {1, 3})
+        EXPECT_EQ(in_runtime(config, weights, frame, {threads, block}).pixels, expected.pixels)
+            << title(config) << ", " << block << " rows, " << threads << " threads";
+  }
+}
+
+TEST(LayerParity, APlanRunsManyFrames) {
+  const NetworkConfig config = layer_configs()[1];
+  const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
+  const graph::Graph graph = layer_graph(config);
+  const Frame first = uneven_frame(20, 60, 2), second = random_frame(20, 60, 2, 3);
+  Execution execution(graph, weights, {2, 60, 20}, {1, 16});
+  const Image once = execution.run(first);
+  execution.run(second);
+  EXPECT_EQ(execution.run(first).pixels, once.pixels);
+}
+
+TEST(LayerParity, FewerRowsTakeLessMemory) {
+  const NetworkConfig config = layer_configs()[0];
+  const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
+  const graph::Graph graph = layer_graph(config);
+  const auto bytes = [&](int64_t height, int64_t block) {
+    return Execution(graph, weights, {2, height, 64}, {1, block}).arena_bytes();
+  };
+  EXPECT_LT(bytes(2000, 8), bytes(2000, 2000) / 10);
+  EXPECT_EQ(bytes(2000, 8), bytes(4000, 8));  // whatever the height
+}
+
+}  // namespace
+}  // namespace ld
