@@ -6,16 +6,31 @@
 
 namespace ld {
 
+/// The sRGB transfer function: kSrgbSlope x up to kSrgbLinearTo, kSrgbScale x^(1 / kSrgbExponent) -
+/// kSrgbOffset beyond.
+template <class T>
+constexpr T kSrgbLinearTo = T(0.0031308);
+template <class T>
+constexpr T kSrgbSlope = T(12.92);
+template <class T>
+constexpr T kSrgbScale = T(1.055);
+template <class T>
+constexpr T kSrgbOffset = T(0.055);
+template <class T>
+constexpr T kSrgbExponent = T(2.4);
+
 /// Gamma of eq. 8, the sRGB transfer function (Stokes et al. 1996), for x >= 0.
 template <class T>
 T srgb_transfer(T x) {
-  return x <= T(0.0031308) ? T(12.92) * x : T(1.055) * std::pow(x, T(1) / T(2.4)) - T(0.055);
+  return x <= kSrgbLinearTo<T> ? kSrgbSlope<T> * x
+                               : kSrgbScale<T> * std::pow(x, T(1) / kSrgbExponent<T>) - kSrgbOffset<T>;
 }
 
 /// What srgb_transfer takes to y, for y >= 0.
 template <class T>
 T srgb_inverse(T y) {
-  return y <= T(0.04045) ? y / T(12.92) : std::pow((y + T(0.055)) / T(1.055), T(2.4));
+  return y <= T(0.04045) ? y / kSrgbSlope<T>
+                         : std::pow((y + kSrgbOffset<T>) / kSrgbScale<T>, kSrgbExponent<T>);
 }
 
 /// eq. 7: Gamma(log(1 + x)). Negative x counts as 0, where the printed formula is undefined below -1 and its
@@ -29,9 +44,11 @@ T tone_map(T x) {
 /// negative is pulled back instead of getting stuck.
 template <class T>
 T tone_map_slope(T x) {
-  if (!(x > T(0))) return T(12.92);
+  if (!(x > T(0))) return kSrgbSlope<T>;
   const T y = std::log1p(x);
-  const T outer = y <= T(0.0031308) ? T(12.92) : T(1.055) / T(2.4) * std::pow(y, T(1) / T(2.4) - T(1));
+  const T power = T(1) / kSrgbExponent<T>;
+  const T outer =
+      y <= kSrgbLinearTo<T> ? kSrgbSlope<T> : kSrgbScale<T> / kSrgbExponent<T> * std::pow(y, power - T(1));
   return outer / (T(1) + x);
 }
 

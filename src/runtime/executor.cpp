@@ -26,9 +26,11 @@ float largest_radiance(const Frame& frame, int threads) {
   return *std::max_element(largest.begin(), largest.end());
 }
 
-int64_t default_block(int threads) {
-  // A strip of the splat for each thread.
-  return graph::kSplatRows * std::max(threads, 1);
+/// Enough pixels for the threads, and so few rows that they stay in the caches: every operator on the way
+/// through the U-net keeps a block waiting.
+int64_t default_block(int threads, int64_t width) {
+  constexpr int64_t kPixels = 16384, kFewest = 8;
+  return std::max(kPixels * std::max(threads, 1) / width / kFewest * kFewest, kFewest);
 }
 
 }  // namespace
@@ -47,8 +49,9 @@ struct Execution::State {
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
         const ExecutionOptions& options)
       : context{graph, weights, picture, std::max(options.threads, 1), {}, nullptr, 1},
-        schedule(graph, picture,
-                 options.block_rows > 0 ? options.block_rows : default_block(options.threads)) {
+        schedule(
+            graph, picture,
+            options.block_rows > 0 ? options.block_rows : default_block(options.threads, picture.width)) {
     for (graph::ValueId id = 0; id < graph.values.size(); ++id) {
       const ValueExtent extent = extent_of(graph, id, picture);
       context.windows.emplace_back(extent.planes, extent.width, extent.height, schedule.capacity(id));

@@ -53,6 +53,7 @@ struct RowSchedule::Walk {
                 graph::rows_read_to(node.op, next, schedule.extents_[input].height));
       run(index, made[index], next);
       made[index] = next;
+      for (const size_t reader : schedule.eager_[index]) advance(reader, next);
     }
   }
 };
@@ -68,6 +69,7 @@ RowSchedule::RowSchedule(const Graph& graph, const PictureExtent& picture, int64
     for (const ValueId output : graph.nodes[n].outputs) producer_[output] = n;
     for (const ValueId input : graph.nodes[n].inputs) consumers_[input].push_back(n);
   }
+  for (size_t n = 0; n < graph.nodes.size(); ++n) eager_.push_back(eager_readers(n));
   // The same walk without doing anything says how many rows have to be there.
   const Walk* at = nullptr;
   const Run look = [&](size_t node, int64_t, int64_t end) {
@@ -78,6 +80,26 @@ RowSchedule::RowSchedule(const Graph& graph, const PictureExtent& picture, int64
   at = &walk;
   for (int64_t end = block; walk.made[producer_[graph.output]] < extents_[graph.output].height; end += block)
     walk.advance(producer_[graph.output], end);
+}
+
+std::vector<size_t> RowSchedule::eager_readers(size_t node) const {
+  const auto planes = [&](const std::vector<ValueId>& values) {
+    int64_t sum = 0;
+    for (const ValueId id : values) sum += extents_[id].planes;
+    return sum;
+  };
+  std::vector<size_t> readers;
+  for (const ValueId output : graph_.nodes[node].outputs)
+    for (const size_t reader : consumers_[output]) {
+      const Node& reading = graph_.nodes[reader];
+      const bool only = std::all_of(reading.inputs.begin(), reading.inputs.end(),
+                                    [&](ValueId id) { return producer_[id] == node; });
+      const bool rows_alike = graph::rows_read_to(reading.op, 1, 2) == 1;
+      if (only && rows_alike && planes(reading.outputs) < planes(reading.inputs) &&
+          std::find(readers.begin(), readers.end(), reader) == readers.end())
+        readers.push_back(reader);
+    }
+  return readers;
 }
 
 void RowSchedule::walk(const Run& run, const Done& done) const {

@@ -20,7 +20,8 @@ struct ValueExtent {
 ValueExtent extent_of(const graph::Graph& graph, graph::ValueId id, const PictureExtent& picture);
 
 /// Every row of every value is made once, when something is to read it, and forgotten when nothing will any
-/// more. So no result depends on how many rows are made at a time.
+/// more. So no result depends on how many rows are made at a time. A node that reads what one other node puts
+/// out, and leaves less than that, runs at once, so that the larger rows need not wait.
 class RowSchedule {
  public:
   /// About `block` rows of full resolution are made at a time.
@@ -37,12 +38,14 @@ class RowSchedule {
 
  private:
   struct Walk;
+  std::vector<size_t> eager_readers(size_t node) const;
 
   const graph::Graph& graph_;
   int64_t block_;
   std::vector<ValueExtent> extents_;
   std::vector<size_t> producer_;                // of each value
   std::vector<std::vector<size_t>> consumers_;  // of each value
+  std::vector<std::vector<size_t>> eager_;      // nodes that run right after each
   std::vector<int64_t> capacity_;
 };
 

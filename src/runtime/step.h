@@ -7,8 +7,8 @@
 #include "frame/frame.h"
 #include "graph/graph.h"
 #include "runtime/named_weights.h"
-#include "runtime/row_window.h"
 #include "runtime/row_schedule.h"
+#include "runtime/row_window.h"
 
 namespace ld {
 

@@ -35,7 +35,7 @@ class SplatStep : public Step {
   }
 
   void start() override {
-    strips_.clear();
+    while (!strips_.empty()) drop_front();
     next_ = 0;
   }
 
@@ -50,7 +50,7 @@ class SplatStep : public Step {
         for (int64_t c = 0; c < out_.planes; ++c)
           for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= context_.value_scale;
     });
-    while (!strips_.empty() && reach_of_front() <= end) strips_.pop_front();
+    while (!strips_.empty() && reach_of_front() <= end) drop_front();
   }
 
  private:
@@ -62,35 +62,52 @@ class SplatStep : public Step {
         : scratch(network.make_scratch(pixels, false)), sources(shape, pixels), finite(size_t(pixels)) {}
   };
 
+  /// Keeps the memory of a strip that has all of its rows: it does for every other.
+  void drop_front() {
+    const int64_t number = next_ - int64_t(strips_.size());
+    if ((number + 1) * graph::kSplatRows <= shape_.height) spare_.push_back(std::move(strips_.front()));
+    strips_.pop_front();
+  }
+
   /// One past the last row that the first strip reaches.
   int64_t reach_of_front() const {
     const int64_t number = next_ - int64_t(strips_.size());
     return std::min((number + 1) * graph::kSplatRows + shape_.radius(), shape_.height);
   }
 
-  /// Sums up the sources of all strips before `count`.
+  /// Sums up the sources of all strips before `count`. Stretches that reach into one another's columns take
+  /// turns: first the even ones of all strips, then the odd ones, whatever the threads.
   void add_strips(int64_t count) {
-    const int64_t first = next_, more = std::max<int64_t>(count - next_, 0);
-    std::vector<std::unique_ptr<SplatStrip>> made(static_cast<size_t>(more));
-    parallel_for(context_.threads, more, [&](int64_t i, int thread) {
-      made[size_t(i)] = sum_up((first + i) * graph::kSplatRows, workers_[size_t(thread)]);
-    });
-    for (auto& strip : made) strips_.push_back(std::move(strip));
-    next_ += more;
+    const auto first = int64_t(strips_.size());
+    for (; next_ < count; ++next_) strips_.push_back(begin_strip(next_ * graph::kSplatRows));
+    const int64_t made = int64_t(strips_.size()) - first, number = next_ - made;
+    const int64_t stretches = (shape_.width + pixels_ - 1) / pixels_;
+    for (int64_t turn = 0; turn < 2; ++turn) {
+      const int64_t mine = (stretches + 1 - turn) / 2;
+      parallel_for(context_.threads, made * mine, [&](int64_t i, int thread) {
+        add_column((number + i / mine) * graph::kSplatRows, (2 * (i % mine) + turn) * pixels_,
+                   workers_[size_t(thread)], *strips_[size_t(first + i / mine)]);
+      });
+    }
   }
 
-  std::unique_ptr<SplatStrip> sum_up(int64_t first, Worker& worker) const {
+  std::unique_ptr<SplatStrip> begin_strip(int64_t first) {
     const int64_t last = std::min(first + graph::kSplatRows, shape_.height);
-    auto strip = std::make_unique<SplatStrip>(shape_, joint_, first, last);
-    // Column by column: the rows that a stretch reaches stay in the cache for the next row's.
-    for (int64_t x = 0; x < shape_.width; x += pixels_)
-      for (int64_t y = first; y < last; ++y) {
-        const Stretch at{y, x, std::min(pixels_, shape_.width - x)};
-        stage_stretch(at, worker);
-        splat_exponents(shape_, worker.sources, at.count);
-        splat_stretch(shape_, worker.sources, at, *strip);
-      }
+    if (spare_.empty()) return std::make_unique<SplatStrip>(shape_, joint_, first, last);
+    std::unique_ptr<SplatStrip> strip = std::move(spare_.back());
+    spare_.pop_back();
+    strip->restart(shape_, first, last);
     return strip;
+  }
+
+  /// The stretches at `x` of a strip's sources: the rows that one reaches stay in the cache for the next.
+  void add_column(int64_t first, int64_t x, Worker& worker, SplatStrip& strip) const {
+    for (int64_t y = first; y < std::min(first + graph::kSplatRows, shape_.height); ++y) {
+      const Stretch at{y, x, std::min(pixels_, shape_.width - x)};
+      stage_stretch(at, worker);
+      splat_exponents(shape_, worker.sources, at.count);
+      splat_stretch(shape_, worker.sources, at, strip);
+    }
   }
 
   void stage_stretch(const Stretch& at, Worker& worker) const {
@@ -142,6 +159,7 @@ class SplatStep : public Step {
   int64_t pixels_ = 0;
   std::vector<Worker> workers_;
   std::deque<std::unique_ptr<SplatStrip>> strips_;  // those that rows to come still need
+  std::vector<std::unique_ptr<SplatStrip>> spare_;  // memory of those that are done
   int64_t next_ = 0;                                // the number of the first strip that is not made
 };
 

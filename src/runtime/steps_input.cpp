@@ -4,6 +4,7 @@
 
 #include "frame/encoding.h"
 #include "models/network_numbers.h"
+#include "ops/kernels/tone_map_row.h"
 #include "runtime/parallel.h"
 #include "runtime/step.h"
 
@@ -45,8 +46,11 @@ class EncodeStep : public Step {
     for (int64_t c = 0; c < count; ++c) {
       float* out = features_.row(y, s * count + c);
       const Channel& channel = channels_[size_t(c)];
-      encode(*channel.feature, frame.info.depth_scale, frame.plane(s, channel.place) + offset, out,
-             size_t(frame.width));
+      const float* values = frame.plane(s, channel.place) + offset;
+      if (channel.feature->encoding == Encoding::tone_map)
+        tone_map_row(values, out, frame.width);
+      else
+        encode(*channel.feature, frame.info.depth_scale, values, out, size_t(frame.width));
       for (int64_t x = 0; x < frame.width; ++x) out[x] *= valid[x];
     }
   }

@@ -259,15 +259,22 @@ constexpr float kMinusInfinity = -std::numeric_limits<float>::infinity();
 }
 
 SplatStrip::SplatStrip(const FilterShape& shape, bool joint, int64_t first, int64_t last)
-    : begin_(std::max<int64_t>(first - shape.radius(), 0)),
-      end_(std::min(last + shape.radius(), shape.height)),
+    : begin_(0),
+      end_(0),
       planes_(2 + shape.channels),
       joint_(joint),
-      rows_((joint ? 1 : shape.layers) * (end_ - begin_) * planes_, shape.width, 2 * shape.radius(), 0.0f) {
-  // The largest exponent so far: below all others, and finite, so that differences are no NaN.
-  for (int64_t r = 0; r < rows_.rows(); r += planes_)
+      rows_((joint ? 1 : shape.layers) * (last - first + 2 * shape.radius()) * planes_, shape.width,
+            2 * shape.radius(), 0.0f) {
+  restart(shape, first, last);
+}
+
+void SplatStrip::restart(const FilterShape& shape, int64_t first, int64_t last) {
+  begin_ = std::max<int64_t>(first - shape.radius(), 0);
+  end_ = std::min(last + shape.radius(), shape.height);
+  for (int64_t r = 0; r < (joint_ ? 1 : shape.layers) * (end_ - begin_) * planes_; ++r)
+    // The largest exponent so far: below all others, and finite, so that differences are no NaN.
     std::fill_n(rows_.row(r) - row_margin(2 * shape.radius()), rows_.pitch(),
-                std::numeric_limits<float>::lowest());
+                r % planes_ == 0 ? std::numeric_limits<float>::lowest() : 0.0f);
 }
 
 SplatSourcesRow::SplatSourcesRow(const FilterShape& shape, int64_t pixels)

@@ -16,6 +16,9 @@ class SplatStrip {
  public:
   SplatStrip(const FilterShape& shape, bool joint, int64_t first, int64_t last);
 
+  /// Begins anew with other rows, at most as many as it was made for.
+  void restart(const FilterShape& shape, int64_t first, int64_t last);
+
   bool holds(int64_t y) const { return y >= begin_ && y < end_; }
   /// Pixel 0 of: the largest exponents, then the sums of weights, then of each channel, `pitch()` apart.
   float* row(int64_t layer, int64_t y) {
