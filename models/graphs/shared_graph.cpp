@@ -43,6 +43,43 @@ ValueId add_block(Graph& graph, const std::string& name, const std::vector<int64
 
 }  // namespace
 
+ValueId add_reducer(Graph& graph, const NetworkConfig& config, ValueId features) {
+  return add_fully_connected(
+      graph, {"sample_reducer", int64_t(config.sample_reducer.size()), /*activate_last=*/true},
+      config.sample_reducer.back(), features);
+}
+
+std::optional<ValueId> add_demodulation(Graph& graph, const NetworkConfig& config, GraphInput& input) {
+  if (config.demodulation != "albedo") return std::nullopt;
+  const ValueId forms = graph.add_value({"demodulated", graph[input.radiance].items, 6}),
+                modulators = graph.add_value({"modulators", Items::picture, 4});
+  graph.nodes.push_back({graph::Demodulate{first_channel(config.features, "albedo"),
+                                           first_channel(config.features, "specular")},
+                         {input.features, input.radiance, input.valid},
+                         {forms, modulators}});
+  input.radiance = forms;
+  return modulators;
+}
+
+ValueId add_modulation(Graph& graph, ValueId filtered, std::optional<ValueId> modulators, ValueId context) {
+  if (!modulators) return filtered;
+  return graph.add(graph::Modulate{"modulation.weight"}, {filtered, *modulators, context},
+                   {"picture", Items::picture, 3});
+}
+
+ValueId add_rejection(Graph& graph, const NetworkConfig& config, ValueId log_n, ValueId embedding,
+                      ValueId context) {
+  if (!config.rejection) return log_n;
+  return graph.add(graph::Reject{"rejection.weight"}, {log_n, embedding, context},
+                   {"weighed", graph[log_n].items, 1});
+}
+
+graph::Splat make_splat(const NetworkConfig& config, bool joint) {
+  return {{"kernel_generator", int64_t(config.kernel_generator.size()) + 1, false, config.logit_bound},
+          config.kernel_size,
+          joint};
+}
+
 ValueId add_unet(Graph& graph, const UNetConfig& config, ValueId picture) {
   const int levels = int(config.encoder.size());
   graph.multiple = int64_t(1) << levels;

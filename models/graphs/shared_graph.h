@@ -19,6 +19,24 @@ GraphInput add_input(graph::Graph& graph, const NetworkConfig& config);
 graph::ValueId add_fully_connected(graph::Graph& graph, const graph::FullyConnected& op, int64_t outputs,
                                    graph::ValueId x, std::optional<graph::ValueId> context = std::nullopt);
 
+/// A reducer's layers, the last one activated.
+graph::ValueId add_reducer(graph::Graph& graph, const NetworkConfig& config, graph::ValueId features);
+
+/// With demodulation: both forms of the radiance take its place; returns what add_modulation() needs.
+std::optional<graph::ValueId> add_demodulation(graph::Graph& graph, const NetworkConfig& config,
+                                               GraphInput& input);
+
+/// The picture from what was filtered.
+graph::ValueId add_modulation(graph::Graph& graph, graph::ValueId filtered,
+                              std::optional<graph::ValueId> modulators, graph::ValueId context);
+
+/// log n less what is rejected, where the network rejects.
+graph::ValueId add_rejection(graph::Graph& graph, const NetworkConfig& config, graph::ValueId log_n,
+                             graph::ValueId embedding, graph::ValueId context);
+
+/// The splat of a kernel generator.
+graph::Splat make_splat(const NetworkConfig& config, bool joint);
+
 /// A picture of embeddings -> the context C_xy.
 graph::ValueId add_unet(graph::Graph& graph, const UNetConfig& config, graph::ValueId picture);
 

@@ -18,6 +18,26 @@ struct Encode {
 /// x [n, C], valid [n, 1] -> the mean over the items that are valid [1, C]; 0 where a pixel has none.
 struct MaskedMean {};
 
+/// valid [n, 1] -> [1, 1]: 1 where any item is.
+struct AnyValid {};
+
+/// valid [n, 1] -> [n, 1]: 0, or -inf for an item that is not valid.
+struct LogValid {};
+
+/// x [n, C], valid [n, 1] -> x, in which items that are not valid have those of the pixel's first valid one
+/// (models/networks/sample_splat_network.h).
+struct FirstValid {};
+
+/// x [n, C], valid [n, 1] -> mean and population variance of each channel [1, 2 C], means first, in two
+/// passes (models/sample_statistics.h).
+struct Statistics {};
+
+/// x [1, C], radiance [1, 3], valid [1, 1] -> x with the tone-mapped radiance from channel `first` on; 0
+/// where not valid (models/pixel_mean.h).
+struct ToneMapped {
+  int64_t first = 0;
+};
+
 /// x [n, X] and, where there is a second input, context [1, Y] -> [n, outputs]: layers of leaky ReLU
 /// (ops/fully_connected.h). Parameters: <weights>.<layer>.weight and .bias.
 struct FullyConnected {
@@ -79,8 +99,9 @@ struct Modulate {
   std::string weights;
 };
 
-using Operator = std::variant<Encode, MaskedMean, FullyConnected, Pad, Convolution, MaxPool, Upsample,
-                              Demodulate, Partition, Reject, Splat, Composite, Modulate>;
+using Operator = std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped,
+                              FullyConnected, Pad, Convolution, MaxPool, Upsample, Demodulate, Partition,
+                              Reject, Splat, Composite, Modulate>;
 
 /// Source rows that a splat adds up before it puts them together with others': a fixed number, so that its
 /// bits depend on nothing else.

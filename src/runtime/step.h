@@ -43,6 +43,11 @@ std::unique_ptr<Step> make_step(const graph::Node& node, StepContext& context);
 // One for each operator; files by kind: steps_input.cpp, steps_unet.cpp, steps_pixel.cpp, steps_filter.cpp.
 std::unique_ptr<Step> make_step(const graph::Encode& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::MaskedMean& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::AnyValid& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::LogValid& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::FirstValid& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Statistics& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::ToneMapped& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::FullyConnected& op, const graph::Node& node,
                                 StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Pad& op, const graph::Node& node, StepContext& context);

@@ -70,9 +70,10 @@ class DemodulateStep : public Step {
         valid_(context.input(node, 2)),
         forms_(context.output(node, 0)),
         modulators_(context.output(node, 1)),
-        feature_channels_(features_.planes / context.picture.samples),
+        items_(context.items(node.inputs[0])),
+        feature_channels_(features_.planes / items_),
         scratch_(size_t(context.threads)) {
-    for (auto& memory : scratch_) memory.resize(size_t(context.picture.samples * 3 * features_.pitch));
+    for (auto& memory : scratch_) memory.resize(size_t(items_ * 3 * features_.pitch));
   }
 
   void run(int64_t begin, int64_t end) override {
@@ -83,7 +84,7 @@ class DemodulateStep : public Step {
  private:
   /// `a` [S][3]: the demodulators of the row.
   void row(int64_t y, float* a) const {
-    const int64_t samples = context_.picture.samples, width = features_.width, pitch = features_.pitch;
+    const int64_t samples = items_, width = features_.width, pitch = features_.pitch;
     for (int64_t s = 0; s < samples; ++s) sample(y, s, a + s * 3 * pitch);
     for (int64_t x = 0; x < width; ++x) {
       float count = 0;
@@ -140,46 +141,7 @@ class DemodulateStep : public Step {
   graph::Demodulate op_;
   StepContext& context_;
   RowWindow features_, radiance_, valid_, forms_, modulators_;
-  int64_t feature_channels_;
-  std::vector<std::vector<float>> scratch_;
-};
-
-class MaskedMeanStep : public Step {
- public:
-  MaskedMeanStep(const graph::Node& node, StepContext& context)
-      : context_(context),
-        values_(context.input(node, 0)),
-        valid_(context.input(node, 1)),
-        out_(context.output(node)),
-        scratch_(size_t(context.threads), std::vector<float>(size_t(valid_.pitch))) {}
-
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, end - begin,
-                 [&](int64_t i, int thread) { row(begin + i, scratch_[size_t(thread)].data()); });
-  }
-
- private:
-  void row(int64_t y, float* share) const {
-    const int64_t samples = context_.picture.samples, width = out_.width;
-    std::fill_n(share, width, 0.0f);
-    for (int64_t s = 0; s < samples; ++s) {
-      const float* valid = valid_.row(y, s);
-      for (int64_t x = 0; x < width; ++x) share[x] += valid[x];
-    }
-    for (int64_t x = 0; x < width; ++x) share[x] = 1 / std::max(share[x], 1.0f);
-    for (int64_t c = 0; c < out_.planes; ++c) {
-      float* __restrict out = out_.row(y, c);
-      std::fill_n(out, width, 0.0f);
-      for (int64_t s = 0; s < samples; ++s) {
-        const float* __restrict valid = valid_.row(y, s);
-        const float* __restrict value = values_.row(y, s * out_.planes + c);
-        for (int64_t x = 0; x < width; ++x) out[x] += valid[x] * share[x] * value[x];
-      }
-    }
-  }
-
-  StepContext& context_;
-  RowWindow values_, valid_, out_;
+  int64_t items_, feature_channels_;
   std::vector<std::vector<float>> scratch_;
 };
 
@@ -190,9 +152,6 @@ std::unique_ptr<Step> make_step(const graph::Encode& op, const graph::Node& node
 }
 std::unique_ptr<Step> make_step(const graph::Demodulate& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<DemodulateStep>(op, node, context);
-}
-std::unique_ptr<Step> make_step(const graph::MaskedMean&, const graph::Node& node, StepContext& context) {
-  return std::make_unique<MaskedMeanStep>(node, context);
 }
 
 }  // namespace ld

@@ -54,7 +54,7 @@ class PartitionStep : public Step {
       : context_(context) {
     for (size_t i = 0; i < node.inputs.size(); ++i) inputs_.push_back(context.input(node, i));
     for (size_t i = 0; i < node.outputs.size(); ++i) outputs_.push_back(context.output(node, i));
-    const int64_t samples = context.picture.samples;
+    const int64_t samples = context.items(node.inputs[0]);
     shape_ = {samples,
               inputs_[0].planes / samples,
               inputs_[2].planes / samples,

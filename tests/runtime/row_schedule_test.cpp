@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/graphs/layer_graph.h"
+#include "models/graphs/network_graph.h"
 
 namespace ld {
 namespace {

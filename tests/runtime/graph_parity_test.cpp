@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "dataset/input_tensors.h"
-#include "models/graphs/layer_graph.h"
+#include "models/graphs/network_graph.h"
 #include "ops/kernels/instruction_sets.h"
 #include "runtime/executor.h"
 #include "tests/models/small_network.h"
@@ -48,7 +48,7 @@ Image in_torch(Network& network, const Frame& frame) {
 
 Image in_runtime(const NetworkConfig& config, const NamedWeights& weights, const Frame& frame,
                  const ExecutionOptions& options) {
-  const graph::Graph graph = layer_graph(config);
+  const graph::Graph graph = network_graph(config);
   return Execution(graph, weights, {frame.spp, frame.height, frame.width}, options).run(frame);
 }
 
@@ -58,19 +58,26 @@ float largest_difference(const Image& a, const Image& b) {
   return most;
 }
 
-std::vector<NetworkConfig> layer_configs() {
+/// Of every network that has a graph.
+std::vector<NetworkConfig> graph_configs() {
   std::vector<NetworkConfig> configs;
   for (const NetworkConfig& config : every_config())
-    if (config.name == "layer") configs.push_back(config);
+    for (const char* name : {"layer", "pixel_splat", "sample_splat"})
+      if (config.name == name) configs.push_back(config);
   NetworkConfig nearest = configs[0];
   nearest.unet.upsampling = "nearest";
   nearest.layers = 3;
   configs.push_back(nearest);
+  for (NetworkConfig config : std::vector<NetworkConfig>(configs))
+    if (config.name == "pixel_splat") {
+      config.means = true;
+      configs.push_back(config);
+    }
   return configs;
 }
 
-TEST(LayerParity, TheGraphGivesThePictureOfTheNetwork) {
-  for (const NetworkConfig& config : layer_configs())
+TEST(GraphParity, TheGraphGivesThePictureOfTheNetwork) {
+  for (const NetworkConfig& config : graph_configs())
     for (const auto& [width, height, spp] : {std::tuple(1, 1, 1), std::tuple(7, 5, 3), std::tuple(33, 70, 2),
                                              std::tuple(131, 37, 1), std::tuple(16, 16, 64)}) {
       const auto network = small_network(config, torch::kFloat32);
@@ -83,8 +90,8 @@ TEST(LayerParity, TheGraphGivesThePictureOfTheNetwork) {
     }
 }
 
-TEST(LayerParity, OnEveryInstructionSet) {
-  const NetworkConfig config = layer_configs()[1];
+TEST(GraphParity, OnEveryInstructionSet) {
+  const NetworkConfig config = graph_configs()[1];
   const auto network = small_network(config, torch::kFloat32);
   const Frame frame = uneven_frame(45, 39, 4);
   for (const std::string& set : instruction_sets()) {
@@ -98,8 +105,8 @@ TEST(LayerParity, OnEveryInstructionSet) {
   use_instruction_set("");
 }
 
-TEST(LayerParity, RowsAtATimeAndThreadsChangeNoBit) {
-  for (const NetworkConfig& config : layer_configs()) {
+TEST(GraphParity, RowsAtATimeAndThreadsChangeNoBit) {
+  for (const NetworkConfig& config : graph_configs()) {
     const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
     const Frame frame = uneven_frame(50, 101, 3);
     const Image expected = in_runtime(config, weights, frame, {});
@@ -110,10 +117,10 @@ TEST(LayerParity, RowsAtATimeAndThreadsChangeNoBit) {
   }
 }
 
-TEST(LayerParity, APlanRunsManyFrames) {
-  const NetworkConfig config = layer_configs()[1];
+TEST(GraphParity, APlanRunsManyFrames) {
+  const NetworkConfig config = graph_configs()[1];
   const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
-  const graph::Graph graph = layer_graph(config);
+  const graph::Graph graph = network_graph(config);
   const Frame first = uneven_frame(20, 60, 2), second = random_frame(20, 60, 2, 3);
   Execution execution(graph, weights, {2, 60, 20}, {1, 16});
   const Image once = execution.run(first);
@@ -121,10 +128,10 @@ TEST(LayerParity, APlanRunsManyFrames) {
   EXPECT_EQ(execution.run(first).pixels, once.pixels);
 }
 
-TEST(LayerParity, FewerRowsTakeLessMemory) {
-  const NetworkConfig config = layer_configs()[0];
+TEST(GraphParity, FewerRowsTakeLessMemory) {
+  const NetworkConfig config = graph_configs()[0];
   const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
-  const graph::Graph graph = layer_graph(config);
+  const graph::Graph graph = network_graph(config);
   const auto bytes = [&](int64_t height, int64_t block) {
     return Execution(graph, weights, {2, height, 64}, {1, block}).arena_bytes();
   };

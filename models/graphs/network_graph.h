@@ -1,0 +1,22 @@
+// Networks as graphs (graph/graph.h), from their configurations alone: what models/networks/ do at inference.
+#pragma once
+
+#include "graph/graph.h"
+#include "models/network_config.h"
+
+namespace ld {
+
+/// Throws Error for a network that has no graph yet: "optimized", "pixel_blend", "pixel_gather", and all with
+/// `exposure_normalisation`.
+graph::Graph network_graph(const NetworkConfig& config);
+
+/// [MH20] figure 2 (models/networks/layer_network.h).
+graph::Graph layer_graph(const NetworkConfig& config);
+
+/// One kernel for each pixel (models/networks/pixel_network.h).
+graph::Graph pixel_splat_graph(const NetworkConfig& config);
+
+/// One kernel for each sample (models/networks/sample_splat_network.h).
+graph::Graph sample_splat_graph(const NetworkConfig& config);
+
+}  // namespace ld
