@@ -6,15 +6,15 @@
 
 namespace ld {
 
-/// Throws Error for a network that has no graph yet: "optimized", "pixel_blend", "pixel_gather", and all with
+/// Throws Error for a network that has no graph yet: "optimized", "pixel_blend", and all with
 /// `exposure_normalisation`.
 graph::Graph network_graph(const NetworkConfig& config);
 
 /// [MH20] figure 2 (models/networks/layer_network.h).
 graph::Graph layer_graph(const NetworkConfig& config);
 
-/// One kernel for each pixel (models/networks/pixel_network.h).
-graph::Graph pixel_splat_graph(const NetworkConfig& config);
+/// "pixel_splat" and "pixel_gather": one kernel for each pixel (models/networks/pixel_network.h).
+graph::Graph pixel_graph(const NetworkConfig& config);
 
 /// One kernel for each sample (models/networks/sample_splat_network.h).
 graph::Graph sample_splat_graph(const NetworkConfig& config);

@@ -91,6 +91,13 @@ struct Splat {
   bool joint = false;  // over all layers, to one result
 };
 
+/// embedding [1, E], context [1, Y], log n [1, 1], values [1, C] -> [1, C]: what each pixel receives from its
+/// neighbours (ops/kernel_gather.h).
+struct Gather {
+  FullyConnected generator;
+  int64_t kernel = 1;
+};
+
 /// [N, C + 1], the transmittance last -> [1, C] ([MH20] eq. 5; models/compositor.h).
 struct Composite {};
 
@@ -101,7 +108,7 @@ struct Modulate {
 
 using Operator = std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped,
                               FullyConnected, Pad, Convolution, MaxPool, Upsample, Demodulate, Partition,
-                              Reject, Splat, Composite, Modulate>;
+                              Reject, Splat, Gather, Composite, Modulate>;
 
 /// Source rows that a splat adds up before it puts them together with others': a fixed number, so that its
 /// bits depend on nothing else.

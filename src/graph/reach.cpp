@@ -20,6 +20,7 @@ struct ReadTo {
   int64_t operator()(const Splat& op) const {
     return (end + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
   }
+  int64_t operator()(const Gather& op) const { return end + op.kernel / 2; }
   int64_t operator()(const Modulate&) const { return end + 1; }
 };
 
@@ -39,6 +40,7 @@ struct ReadFrom {
   int64_t operator()(const Splat& op) const {
     return begin == 0 ? 0 : (begin + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
   }
+  int64_t operator()(const Gather& op) const { return begin - op.kernel / 2; }
   int64_t operator()(const Modulate&) const { return begin - 1; }
 };
 

@@ -11,9 +11,11 @@ namespace ld {
 
 /// One picture with margins, copied on all threads.
 inline GatherSources gather_sources(const FilterShape& shape, const float* log_n, const float* values) {
-  GatherSources sources(shape);
+  GatherSources sources(shape, shape.height);
   at::parallel_for(0, shape.height, 16, [&](int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y) sources.fill_row(shape, log_n, values, y);
+    for (int64_t y = begin; y < end; ++y)
+      sources.fill_row(shape, {log_n + y * shape.width, shape.plane()},
+                       {values + y * shape.width, shape.plane()}, y);
   });
   return sources;
 }

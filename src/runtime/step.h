@@ -58,6 +58,7 @@ std::unique_ptr<Step> make_step(const graph::Demodulate& op, const graph::Node& 
 std::unique_ptr<Step> make_step(const graph::Partition& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Reject& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Gather& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Composite& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
 

@@ -119,19 +119,13 @@ namespace {
 constexpr float kMinusInfinity = -std::numeric_limits<float>::infinity();
 }
 
-GatherSources::GatherSources(const FilterShape& shape)
+GatherSources::GatherSources(const FilterShape& shape, int64_t capacity)
     : planes_(1 + shape.channels),
-      rows_(shape.height * planes_, shape.width, shape.radius() + kPixelStep, 0.0f) {
-  for (int64_t y = 0; y < shape.height; ++y)
+      capacity_(capacity),
+      rows_(capacity * planes_, shape.width, shape.radius() + kPixelStep, 0.0f) {
+  for (int64_t y = 0; y < capacity; ++y)
     std::fill_n(rows_.row(y * planes_) - row_margin(shape.radius() + kPixelStep), rows_.pitch(),
                 kMinusInfinity);
-}
-
-void GatherSources::fill_row(const FilterShape& shape, const float* log_n, const float* values, int64_t y) {
-  const int64_t offset = y * shape.width;
-  std::copy_n(log_n + offset, shape.width, rows_.row(y * planes_));
-  for (int64_t c = 0; c < shape.channels; ++c)
-    std::copy_n(values + c * shape.plane() + offset, shape.width, rows_.row(y * planes_ + 1 + c));
 }
 
 GatherRow::GatherRow(const FilterShape& shape, int64_t pixels)

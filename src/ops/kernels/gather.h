@@ -7,17 +7,26 @@
 
 namespace ld {
 
-/// What a picture gives, with margins: [H] rows of log n (-inf outside of the picture) and of each channel.
+/// What a picture gives, with margins: rows of log n (-inf outside of the picture) and of each channel, the
+/// newest `capacity` of them.
 class GatherSources {
  public:
-  explicit GatherSources(const FilterShape& shape);
-  const float* row(int64_t y) const { return rows_.row(y * planes_); }
+  GatherSources(const FilterShape& shape, int64_t capacity);
+  const float* row(int64_t y) const { return rows_.row(y % capacity_ * planes_); }
   int64_t pitch() const { return rows_.pitch(); }
-  /// Copies row y of log_n [H][W] and values [C][H][W].
-  void fill_row(const FilterShape& shape, const float* log_n, const float* values, int64_t y);
+  /// Row y from log n and all channels there.
+  void fill_row(const FilterShape& shape, PlanarRow log_n, PlanarRow values, int64_t y) {
+    copy(shape, log_n, y, 0, 1);
+    copy(shape, values, y, 1, shape.channels);
+  }
 
  private:
-  int64_t planes_;
+  void copy(const FilterShape& shape, PlanarRow from, int64_t y, int64_t plane, int64_t count) {
+    for (int64_t c = 0; c < count; ++c)
+      std::copy_n(from.data + c * from.pitch, shape.width, rows_.row(y % capacity_ * planes_ + plane + c));
+  }
+
+  int64_t planes_, capacity_;
   StagedRows rows_;
 };
 

@@ -27,7 +27,7 @@ GraphInput add_pixel_mean(Graph& graph, const NetworkConfig& config, const Graph
 
 }  // namespace
 
-Graph pixel_splat_graph(const NetworkConfig& config) {
+Graph pixel_graph(const NetworkConfig& config) {
   Graph graph;
   GraphInput input = add_input(graph, config);
   if (config.means) input = add_pixel_mean(graph, config, input);
@@ -43,9 +43,12 @@ Graph pixel_splat_graph(const NetworkConfig& config) {
   const ValueId drawn = graph.add(graph::AnyValid{}, {input.valid}, {"drawn", Items::picture, 1});
   ValueId log_n = graph.add(graph::LogValid{}, {drawn}, {"log_n", Items::picture, 1});
   log_n = add_rejection(graph, config, log_n, embedding, context);
-  const ValueId picture =
-      graph.add(make_splat(config, /*joint=*/false), {embedding, context, log_n, radiance},
-                {"filtered", Items::picture, colours});
+  const graph::Splat splat = make_splat(config, /*joint=*/false);
+  const std::vector<ValueId> read = {embedding, context, log_n, radiance};
+  const graph::Value filtered = {"filtered", Items::picture, colours};
+  const ValueId picture = config.name == "pixel_gather"
+                              ? graph.add(graph::Gather{splat.generator, splat.kernel}, read, filtered)
+                              : graph.add(splat, read, filtered);
   graph.output = add_modulation(graph, picture, modulators, context);
   return graph;
 }
