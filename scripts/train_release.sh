@@ -48,9 +48,11 @@ train_cycle() {
     begin=("init=$released")
   elif [[ $name = samples_* ]] && [ -e "models/pretrained/common_${name#samples_}.safetensors" ]; then
     begin=("init=models/pretrained/common_${name#samples_}.safetensors")
+    # At the full rate it forgets more than it learns: 36 minutes on 111 frames took the validation SMAPE from 0.0479 to 0.0484.
+    rate=(optimizer.learning_rate=0.0008)
   fi
   # Later cycles need no long rise.
-  if [ ${#begin[@]} -gt 0 ]; then rate=(optimizer.one_cycle.rise=0.1); fi
+  if [ ${#begin[@]} -gt 0 ]; then rate+=(optimizer.one_cycle.rise=0.1); fi
   echo "== $name, cycle $n: ${begin[*]:-random weights}, $minutes minutes"
   "$bin/ld_train" --config "configs/$name.yaml" "data.path=$data" "run.minutes=$minutes" "${begin[@]}" "${rate[@]}" --threads 1 --out "$run"
   touch "$run/done"
