@@ -1,10 +1,6 @@
 #include "models/exposure.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "frame/schema.h"
-#include "models/network_numbers.h"
 #include "ops/tone_map_tensor.h"
 
 namespace ld {
@@ -14,36 +10,18 @@ using torch::Tensor;
 void LogAverage::add(const Tensor& radiance, const Tensor& valid) {
   const Tensor light = radiance.detach().to(torch::kFloat64).clamp_min(0);
   const Tensor good = valid.detach().ne(0).squeeze(2).logical_and(light.isfinite().all(2));  // [B, S, H, W]
-  const Tensor luminance =
-      (0.2126 * light.select(2, 0) + 0.7152 * light.select(2, 1) + 0.0722 * light.select(2, 2))
-          .masked_fill(good.logical_not(), 0);
-  const Tensor mean = (luminance.sum(1) / good.sum(1).clamp_min(1)).cpu().contiguous();  // [B, H, W]
+  const Tensor light_of_samples = luminance(light.select(2, 0), light.select(2, 1), light.select(2, 2))
+                                      .masked_fill(good.logical_not(), 0);
+  const Tensor mean = (light_of_samples.sum(1) / good.sum(1).clamp_min(1)).cpu().contiguous();  // [B, H, W]
   const int64_t pixels = mean.size(1) * mean.size(2);
   const double* value = mean.data_ptr<double>();
-  for (Sum& sum : pictures_)
-    for (int64_t p = 0; p < pixels; ++p, ++value) {
-      if (!(*value > 0)) continue;
-      int exponent = 0;
-      sum.mantissas += std::log2(std::frexp(*value, &exponent));
-      sum.exponents += exponent;
-      ++sum.pixels;
-    }
+  for (LogLuminance& sum : pictures_)
+    for (int64_t p = 0; p < pixels; ++p, ++value) sum.add(*value);
 }
 
 Tensor LogAverage::exposure() const {
   const Tensor exposure = torch::ones({int64_t(pictures_.size())}, torch::kFloat64);
-  for (size_t b = 0; b < pictures_.size(); ++b) {
-    const Sum& sum = pictures_[b];
-    if (sum.pixels == 0) continue;
-    // The mean is whole + fraction: a power of two in the radiance changes `whole` and nothing else.
-    int64_t whole = sum.exponents / sum.pixels, rest = sum.exponents % sum.pixels;
-    if (rest < 0) {
-      rest += sum.pixels;
-      --whole;
-    }
-    const double fraction = (double(rest) + sum.mantissas) / double(sum.pixels);
-    exposure[int64_t(b)] = std::ldexp(kMiddleGrey * std::exp2(-fraction), int(-whole));
-  }
+  for (size_t b = 0; b < pictures_.size(); ++b) exposure[int64_t(b)] = pictures_[b].exposure();
   return exposure;
 }
 

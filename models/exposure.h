@@ -3,14 +3,13 @@
 
 #include <torch/torch.h>
 
+#include "models/log_luminance.h"
 #include "models/network_config.h"
 #include "models/network_input.h"
 
 namespace ld {
 
-/// The sum over pixels that image_exposure() needs, strip by strip: log2 of what each pixel's valid samples
-/// have in the mean, taken apart into whole exponents and mantissas, so that a power of two changes the
-/// exponents alone.
+/// The log-average luminance of pictures, strip by strip.
 class LogAverage {
  public:
   explicit LogAverage(int64_t batch) : pictures_(static_cast<size_t>(batch)) {}
@@ -27,11 +26,7 @@ class LogAverage {
   torch::Tensor exposure() const;
 
  private:
-  struct Sum {
-    int64_t pixels = 0, exponents = 0;
-    double mantissas = 0;  // log2, each in [-1, 0)
-  };
-  std::vector<Sum> pictures_;
+  std::vector<LogLuminance> pictures_;
 };
 
 /// The input with its feature "radiance" replaced by the tone map (eq. 7) of the exposed radiance; unchanged

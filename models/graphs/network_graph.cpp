@@ -5,7 +5,6 @@
 namespace ld {
 
 graph::Graph network_graph(const NetworkConfig& config) {
-  if (config.exposure_normalisation) fail("a network with exposure_normalisation has no graph yet");
   if (config.name == "layer") return layer_graph(config);
   if (config.name == "pixel_splat" || config.name == "pixel_gather") return pixel_graph(config);
   if (config.name == "sample_splat") return sample_splat_graph(config);

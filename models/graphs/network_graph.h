@@ -6,8 +6,7 @@
 
 namespace ld {
 
-/// Throws Error for a network that has no graph yet: "optimized", "pixel_blend", and all with
-/// `exposure_normalisation`.
+/// Throws Error for a network that has no graph yet: "optimized" and "pixel_blend".
 graph::Graph network_graph(const NetworkConfig& config);
 
 /// [MH20] figure 2 (models/networks/layer_network.h).

@@ -10,6 +10,7 @@ using graph::Value;
 using graph::ValueId;
 
 GraphInput add_input(Graph& graph, const NetworkConfig& config) {
+  graph.exposed = config.exposure_normalisation;
   const int64_t channels = channel_count(config.features);
   const GraphInput input = {graph.add_value({"features", Items::samples, channels}),
                             graph.add_value({"radiance", Items::samples, 3}),

@@ -35,6 +35,7 @@ struct Node {
 struct Graph {
   int64_t layers = 0;    // items of values with layers
   int64_t multiple = 1;  // of which the sides of padded pictures are a multiple
+  bool exposed = false;  // radiance is seen times the frame's exposure (models/exposure.h)
   std::vector<Value> values;
   std::vector<Node> nodes;  // each behind those that it reads
   ValueId output = 0;       // [1, 3, H, W], linear radiance

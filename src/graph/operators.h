@@ -10,7 +10,8 @@
 
 namespace ld::graph {
 
-/// The frame -> encoded features [S, F], radiance [S, 3], valid [S, 1] (frame/encoding.h).
+/// The frame -> encoded features [S, F], radiance [S, 3], valid [S, 1] (frame/encoding.h). Of features, the
+/// radiance is exposed where Graph::exposed says so.
 struct Encode {
   std::vector<std::string> features;
 };
@@ -32,8 +33,8 @@ struct FirstValid {};
 /// passes (models/sample_statistics.h).
 struct Statistics {};
 
-/// x [1, C], radiance [1, 3], valid [1, 1] -> x with the tone-mapped radiance from channel `first` on; 0
-/// where not valid (models/pixel_mean.h).
+/// x [1, C], radiance [1, 3], valid [1, 1] -> x with the tone-mapped radiance from channel `first` on,
+/// exposed where Graph::exposed says so; 0 where not valid (models/pixel_mean.h).
 struct ToneMapped {
   int64_t first = 0;
 };

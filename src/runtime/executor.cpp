@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "ops/kernels/constants.h"
+#include "runtime/frame_exposure.h"
 #include "runtime/parallel.h"
 #include "runtime/step.h"
 
@@ -48,7 +49,7 @@ struct Execution::State {
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
         const ExecutionOptions& options)
-      : context{graph, weights, picture, std::max(options.threads, 1), {}, nullptr, 1},
+      : context{graph, weights, picture, std::max(options.threads, 1), {}},
         schedule(
             graph, picture,
             options.block_rows > 0 ? options.block_rows : default_block(options.threads, picture.width)) {
@@ -88,6 +89,7 @@ Image Execution::run(const Frame& frame) {
   context.frame = &frame;
   context.value_scale =
       largest_radiance(frame, context.threads) > kLargestRadiance ? float(kOverflowScale) : 1.0f;
+  if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
   for (const auto& step : state_->steps) step->start();
   Image picture(frame.width, frame.height, 3);
   const RowWindow& result = context.windows[context.graph.output];

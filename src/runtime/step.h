@@ -31,6 +31,7 @@ struct StepContext {
 
   // Of the frame that runs.
   const Frame* frame = nullptr;
+  double exposure = 1;    // of radiance as the network sees it, where the graph says so
   float value_scale = 1;  // of radiance in filters, whose sums could overflow (ops/finite_sources.h)
 
   const RowWindow& input(const graph::Node& node, size_t i) const { return windows[node.inputs[i]]; }

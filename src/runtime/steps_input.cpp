@@ -5,6 +5,7 @@
 #include "frame/encoding.h"
 #include "models/network_numbers.h"
 #include "ops/kernels/tone_map_row.h"
+#include "runtime/frame_exposure.h"
 #include "runtime/parallel.h"
 #include "runtime/step.h"
 
@@ -48,11 +49,19 @@ class EncodeStep : public Step {
       const Channel& channel = channels_[size_t(c)];
       const float* values = frame.plane(s, channel.place) + offset;
       if (channel.feature->encoding == Encoding::tone_map)
-        tone_map_row(values, out, frame.width);
+        encode_radiance(values, out, frame.width);
       else
         encode(*channel.feature, frame.info.depth_scale, values, out, size_t(frame.width));
       for (int64_t x = 0; x < frame.width; ++x) out[x] *= valid[x];
     }
+  }
+
+  void encode_radiance(const float* values, float* out, int64_t count) const {
+    if (context_.graph.exposed) {
+      expose_row(values, context_.exposure, out, count);
+      values = out;
+    }
+    tone_map_row(values, out, count);
   }
 
   StepContext& context_;

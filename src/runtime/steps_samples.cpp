@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "ops/kernels/tone_map_row.h"
+#include "runtime/frame_exposure.h"
 #include "runtime/parallel.h"
 #include "runtime/step.h"
 
@@ -130,11 +131,11 @@ std::unique_ptr<Step> make_step(const graph::FirstValid&, const graph::Node& nod
 std::unique_ptr<Step> make_step(const graph::ToneMapped& op, const graph::Node& node, StepContext& context) {
   const RowWindow values = context.input(node, 0), radiance = context.input(node, 1),
                   valid = context.input(node, 2), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return row_step(context, 0, [=, &context](int64_t y, float*) {
     for (int64_t c = 0; c < out.planes; ++c) std::copy_n(values.row(y, c), out.width, out.row(y, c));
     for (int64_t c = 0; c < 3; ++c) {
       float* tone = out.row(y, op.first + c);
-      for (int64_t x = 0; x < out.width; ++x) tone[x] = std::min(radiance.row(y, c)[x], kHalfMax);
+      expose_row(radiance.row(y, c), context.exposure, tone, out.width);
       tone_map_row(tone, tone, out.width);
       for (int64_t x = 0; x < out.width; ++x) tone[x] *= valid.row(y)[x];
     }

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "dataset/input_tensors.h"
+#include "models/exposure.h"
 #include "models/graphs/network_graph.h"
 #include "ops/kernels/instruction_sets.h"
 #include "runtime/executor.h"
+#include "runtime/frame_exposure.h"
 #include "tests/models/small_network.h"
 #include "tests/support/random_frame.h"
 
@@ -41,6 +43,12 @@ Frame uneven_frame(int width, int height, int spp) {
   return frame;
 }
 
+void scale_light(Frame& frame, float factor) {
+  for (int s = 0; s < frame.spp; ++s)
+    for (int c = 0; c < 3; ++c)
+      for (size_t p = 0; p < frame.plane_size(); ++p) frame.plane(s, kRadianceOffset + c)[p] *= factor;
+}
+
 Image in_torch(Network& network, const Frame& frame) {
   const torch::NoGradGuard no_graph;
   return to_image(network.forward(FrameInput(frame, network.config().features)).squeeze(0));
@@ -58,6 +66,12 @@ float largest_difference(const Image& a, const Image& b) {
   return most;
 }
 
+/// What a failing test calls one of the configurations.
+std::string full_title(const NetworkConfig& config) {
+  return title(config) + (config.means ? ", of means" : "") +
+         (config.exposure_normalisation ? ", exposed" : "");
+}
+
 /// Of every network that has a graph.
 std::vector<NetworkConfig> graph_configs() {
   std::vector<NetworkConfig> configs;
@@ -73,6 +87,10 @@ std::vector<NetworkConfig> graph_configs() {
       config.means = true;
       configs.push_back(config);
     }
+  for (NetworkConfig config : std::vector<NetworkConfig>(configs)) {
+    config.exposure_normalisation = true;
+    configs.push_back(config);
+  }
   return configs;
 }
 
@@ -87,8 +105,41 @@ TEST(GraphParity, TheGraphGivesThePictureOfTheNetwork) {
       const float largest = *std::max_element(expected.pixels.begin(), expected.pixels.end());
       const Image found = in_runtime(config, weights_of(*network), frame, {});
       EXPECT_LE(largest_difference(found, expected), 1e-5F * largest)
-          << title(config) << ", " << width << " x " << height << " at " << spp;
+          << full_title(config) << ", " << width << " x " << height << " at " << spp;
     }
+}
+
+TEST(GraphParity, WhateverTheUnitsOfTheLight) {
+  for (const NetworkConfig& config : graph_configs())
+    for (const float factor : {1e-30F, 1e30F, 1e36F}) {
+      const auto network = small_network(config, torch::kFloat32);
+      Frame frame = uneven_frame(23, 17, 2);
+      scale_light(frame, factor);
+      const Image expected = in_torch(*network, frame);
+      const float largest = *std::max_element(expected.pixels.begin(), expected.pixels.end());
+      ASSERT_GT(largest, 0);
+      const Image found = in_runtime(config, weights_of(*network), frame, {});
+      EXPECT_LE(largest_difference(found, expected), 1e-5F * largest)
+          << full_title(config) << ", light times " << factor;
+    }
+}
+
+TEST(GraphParity, TheExposureIsThatOfTheNetworks) {
+  Frame frame = uneven_frame(45, 39, 3);
+  const auto in_networks = [&] {
+    const NetworkInput input = FrameInput(frame, {"radiance"}).rows(0, frame.height);
+    LogAverage average(1);
+    average.add(input.radiance, input.valid);
+    return average.exposure()[0].item<double>();
+  };
+  const double exposure = frame_exposure(frame, 1);
+  EXPECT_NEAR(exposure, in_networks(), 1e-12 * exposure);
+  EXPECT_EQ(frame_exposure(frame, 2), exposure);
+  scale_light(frame, std::exp2(-90.0F));
+  EXPECT_EQ(frame_exposure(frame, 1), exposure * std::exp2(90.0));
+  scale_light(frame, 0);
+  EXPECT_EQ(frame_exposure(frame, 1), 1);
+  EXPECT_EQ(in_networks(), 1);
 }
 
 TEST(GraphParity, OnEveryInstructionSet) {
@@ -115,7 +166,7 @@ TEST(GraphParity, RowsAtATimeAndThreadsChangeNoBit) {
     for (const int64_t block : {1, 16, 1000})
       for (const int threads : {1, 2})
         EXPECT_EQ(in_runtime(config, weights, frame, {threads, block}).pixels, expected.pixels)
-            << title(config) << ", " << block << " rows, " << threads << " threads";
+            << full_title(config) << ", " << block << " rows, " << threads << " threads";
   }
 }
 
