@@ -30,5 +30,8 @@ inline std::vector<float> one_output(const std::string& name, const NamedWeights
   values.insert(values.end(), of_inputs.begin(), of_inputs.end());
   return values;
 }
+inline void add_weighted(const float* __restrict values, float weight, int64_t count, float* __restrict to) {
+  for (int64_t x = 0; x < count; ++x) to[x] += weight * values[x];
+}
 
 }  // namespace ld

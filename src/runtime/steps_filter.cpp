@@ -7,8 +7,7 @@
 #include "models/network_numbers.h"
 #include "ops/kernels/splat.h"
 #include "runtime/fully_connected_rows.h"
-#include "runtime/parallel.h"
-#include "runtime/step.h"
+#include "runtime/row_step.h"
 
 namespace ld {
 namespace {
@@ -163,100 +162,46 @@ class SplatStep : public Step {
   int64_t next_ = 0;                                // the number of the first strip that is not made
 };
 
-class CompositeStep : public Step {
- public:
-  CompositeStep(const graph::Node& node, StepContext& context)
-      : context_(context),
-        in_(context.input(node, 0)),
-        out_(context.output(node)),
-        visible_(size_t(context.threads), std::vector<float>(size_t(in_.width))) {}
+/// Of Modulate.
+struct ModulateRow {
+  RowWindow filtered, modulators, shared, out;
+  std::vector<float> weights;
 
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, end - begin,
-                 [&](int64_t i, int thread) { row(begin + i, visible_[size_t(thread)].data()); });
-  }
-
- private:
-  void row(int64_t y, float* __restrict visible) const {
-    const int64_t colours = out_.planes, width = out_.width, layers = in_.planes / (colours + 1);
-    for (int64_t c = 0; c < colours; ++c) std::copy_n(in_.row(y, c), width, out_.row(y, c));
-    std::copy_n(in_.row(y, colours), width, visible);
-    for (int64_t l = 1; l < layers; ++l) {
-      for (int64_t c = 0; c < colours; ++c) {
-        const float* __restrict layer = in_.row(y, l * (colours + 1) + c);
-        float* __restrict out = out_.row(y, c);
-        for (int64_t x = 0; x < width; ++x) out[x] += visible[x] * layer[x];
-      }
-      const float* __restrict transmittance = in_.row(y, l * (colours + 1) + colours);
-      for (int64_t x = 0; x < width; ++x) visible[x] *= transmittance[x];
-    }
-  }
-
-  StepContext& context_;
-  RowWindow in_, out_;
-  std::vector<std::vector<float>> visible_;
-};
-
-class ModulateStep : public Step {
- public:
-  ModulateStep(const graph::Modulate& op, const graph::Node& node, StepContext& context)
-      : context_(context),
-        filtered_(context.input(node, 0)),
-        modulators_(context.input(node, 1)),
-        shared_(context.input(node, 2)),
-        out_(context.output(node)),
-        weights_(one_output(op.weights, context.weights)),
-        beta_(size_t(context.threads), std::vector<float>(size_t(out_.width))) {}
-
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, end - begin,
-                 [&](int64_t i, int thread) { row(begin + i, beta_[size_t(thread)].data()); });
-  }
-
- private:
-  /// The mean of the variance over the 3x3 pixels that are there.
-  float variance(int64_t y, int64_t x) const {
-    float sum = 0;
-    int count = 0;
-    for (int64_t v = std::max<int64_t>(y - 1, 0); v <= std::min(y + 1, out_.height - 1); ++v)
-      for (int64_t u = std::max<int64_t>(x - 1, 0); u <= std::min(x + 1, out_.width - 1); ++u) {
-        sum += modulators_.row(v, 3)[u];
-        ++count;
-      }
-    return sum / float(count);
-  }
-
-  void row(int64_t y, float* __restrict beta) const {
-    const int64_t width = out_.width;
+  void operator()(int64_t y, float* __restrict beta) const {
+    const int64_t width = out.width;
     for (int64_t x = 0; x < width; ++x)
-      beta[x] = weights_[0] + weights_[1] * std::exp(-float(kSteadyFalloff) * variance(y, x));
-    for (int64_t c = 0; c < shared_.planes; ++c) {
-      const float* __restrict values = shared_.row(y, c);
-      const float weight = weights_[size_t(2 + c)];
-      for (int64_t x = 0; x < width; ++x) beta[x] += weight * values[x];
-    }
+      beta[x] = weights[0] + weights[1] * std::exp(-float(kSteadyFalloff) * variance(y, x));
+    for (int64_t c = 0; c < shared.planes; ++c)
+      add_weighted(shared.row(y, c), weights[size_t(2 + c)], width, beta);
     for (int64_t x = 0; x < width; ++x) {
       float mean = 0, plain = 0;
       for (int64_t c = 0; c < 3; ++c) {
-        mean = std::max(mean, modulators_.row(y, c)[x]);
-        plain = std::max(plain, filtered_.row(y, 3 + c)[x]);
+        mean = std::max(mean, modulators.row(y, c)[x]);
+        plain = std::max(plain, filtered.row(y, 3 + c)[x]);
       }
       const bool off = mean == 0 || plain > float(kLargestModulated);
       beta[x] = off ? 0.0f : 1 / (1 + std::exp(-beta[x]));
     }
     for (int64_t c = 0; c < 3; ++c) {
-      const float* __restrict mean = modulators_.row(y, c);
-      const float* __restrict divided = filtered_.row(y, c);
-      const float* __restrict plain = filtered_.row(y, 3 + c);
-      float* __restrict out = out_.row(y, c);
-      for (int64_t x = 0; x < width; ++x) out[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
+      const float* __restrict mean = modulators.row(y, c);
+      const float* __restrict divided = filtered.row(y, c);
+      const float* __restrict plain = filtered.row(y, 3 + c);
+      float* __restrict to = out.row(y, c);
+      for (int64_t x = 0; x < width; ++x) to[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
     }
   }
 
-  StepContext& context_;
-  RowWindow filtered_, modulators_, shared_, out_;
-  std::vector<float> weights_;
-  std::vector<std::vector<float>> beta_;
+  /// The mean of the variance over the 3x3 pixels that are there.
+  float variance(int64_t y, int64_t x) const {
+    float sum = 0;
+    int count = 0;
+    for (int64_t v = std::max<int64_t>(y - 1, 0); v <= std::min(y + 1, out.height - 1); ++v)
+      for (int64_t u = std::max<int64_t>(x - 1, 0); u <= std::min(x + 1, out.width - 1); ++u) {
+        sum += modulators.row(v, 3)[u];
+        ++count;
+      }
+    return sum / float(count);
+  }
 };
 
 }  // namespace
@@ -265,10 +210,26 @@ std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node,
   return std::make_unique<SplatStep>(op, node, context);
 }
 std::unique_ptr<Step> make_step(const graph::Composite&, const graph::Node& node, StepContext& context) {
-  return std::make_unique<CompositeStep>(node, context);
+  const RowWindow in = context.input(node, 0), out = context.output(node);
+  return row_step(context, in.width, [=](int64_t y, float* __restrict visible) {
+    const int64_t colours = out.planes, width = out.width, layers = in.planes / (colours + 1);
+    for (int64_t c = 0; c < colours; ++c) std::copy_n(in.row(y, c), width, out.row(y, c));
+    std::copy_n(in.row(y, colours), width, visible);
+    for (int64_t l = 1; l < layers; ++l) {
+      for (int64_t c = 0; c < colours; ++c) {
+        const float* __restrict layer = in.row(y, l * (colours + 1) + c);
+        float* __restrict to = out.row(y, c);
+        for (int64_t x = 0; x < width; ++x) to[x] += visible[x] * layer[x];
+      }
+      const float* __restrict transmittance = in.row(y, l * (colours + 1) + colours);
+      for (int64_t x = 0; x < width; ++x) visible[x] *= transmittance[x];
+    }
+  });
 }
 std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context) {
-  return std::make_unique<ModulateStep>(op, node, context);
+  const ModulateRow row = {context.input(node, 0), context.input(node, 1), context.input(node, 2),
+                           context.output(node), one_output(op.weights, context.weights)};
+  return row_step(context, row.out.width, row);
 }
 
 }  // namespace ld

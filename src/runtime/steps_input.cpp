@@ -6,8 +6,8 @@
 #include "models/network_numbers.h"
 #include "ops/kernels/tone_map_row.h"
 #include "runtime/frame_exposure.h"
-#include "runtime/parallel.h"
-#include "runtime/step.h"
+#include "runtime/row_step.h"
+#include "runtime/statistics_rows.h"
 
 namespace ld {
 namespace {
@@ -69,66 +69,39 @@ class EncodeStep : public Step {
   std::vector<Channel> channels_;
 };
 
-class DemodulateStep : public Step {
- public:
-  DemodulateStep(const graph::Demodulate& op, const graph::Node& node, StepContext& context)
-      : op_(op),
-        context_(context),
-        features_(context.input(node, 0)),
-        radiance_(context.input(node, 1)),
-        valid_(context.input(node, 2)),
-        forms_(context.output(node, 0)),
-        modulators_(context.output(node, 1)),
-        items_(context.items(node.inputs[0])),
-        feature_channels_(features_.planes / items_),
-        scratch_(size_t(context.threads)) {
-    for (auto& memory : scratch_) memory.resize(size_t(items_ * 3 * features_.pitch));
-  }
+/// Of Demodulate.
+struct DemodulateRow {
+  graph::Demodulate op;
+  RowWindow features, radiance, valid, forms, modulators;
 
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, end - begin,
-                 [&](int64_t i, int thread) { row(begin + i, scratch_[size_t(thread)].data()); });
-  }
+  int64_t scratch() const { return 3 * (valid.planes + 1) * features.pitch; }
 
- private:
-  /// `a` [S][3]: the demodulators of the row.
-  void row(int64_t y, float* a) const {
-    const int64_t samples = items_, width = features_.width, pitch = features_.pitch;
+  void operator()(int64_t y, float* memory) const {
+    const int64_t samples = valid.planes, width = valid.width, pitch = features.pitch;
+    float *a = memory, *share = a + samples * 3 * pitch, *missed = share + pitch, *variance = missed + pitch;
     for (int64_t s = 0; s < samples; ++s) sample(y, s, a + s * 3 * pitch);
-    for (int64_t x = 0; x < width; ++x) {
-      float count = 0;
-      for (int64_t s = 0; s < samples; ++s) count += valid_.row(y, s)[x];
-      const float share = 1 / std::max(count, 1.0f);
-      float relative = 0;
-      for (int64_t c = 0; c < 3; ++c) {
-        float mean = 0, missed = 0, variance = 0;
-        for (int64_t s = 0; s < samples; ++s)
-          mean += valid_.row(y, s)[x] * share * a[(s * 3 + c) * pitch + x];
-        // The mean of many values is rounded; what it misses is the mean of the rest
-        // (models/sample_statistics.h).
-        for (int64_t s = 0; s < samples; ++s)
-          missed += valid_.row(y, s)[x] * share * (a[(s * 3 + c) * pitch + x] - mean);
-        for (int64_t s = 0; s < samples; ++s) {
-          const float rest = a[(s * 3 + c) * pitch + x] - mean - missed;
-          variance += valid_.row(y, s)[x] * share * rest * rest;
-        }
-        mean += missed;
-        modulators_.row(y, c)[x] = mean;
-        relative += variance / (mean == 0 ? 1 : mean * mean);
-      }
-      modulators_.row(y, 3)[x] = relative / 3;
+    shares(valid, y, share);
+    float* relative = modulators.row(y, 3);
+    std::fill_n(relative, width, 0.0f);
+    for (int64_t c = 0; c < 3; ++c) {
+      float* mean = modulators.row(y, c);
+      mean_and_variance(
+          valid, y, share, [&](int64_t s) { return a + (s * 3 + c) * pitch; }, missed, mean, variance);
+      for (int64_t x = 0; x < width; ++x) relative[x] += variance[x] / (mean[x] == 0 ? 1 : mean[x] * mean[x]);
     }
+    for (int64_t x = 0; x < width; ++x) relative[x] /= 3;
   }
 
+  /// `a` [3]: the demodulators of a row of samples.
   void sample(int64_t y, int64_t s, float* a) const {
-    const int64_t pitch = features_.pitch;
+    const int64_t pitch = features.pitch, channels = features.planes / valid.planes;
     const auto reflectance = [&](int64_t x, int64_t c) {
       float sum = 0;
-      for (const int64_t first : {op_.albedo, op_.specular})
-        if (first >= 0) sum += features_.row(y, s * feature_channels_ + first + c)[x];
+      for (const int64_t first : {op.albedo, op.specular})
+        if (first >= 0) sum += features.row(y, s * channels + first + c)[x];
       return sum;
     };
-    for (int64_t x = 0; x < features_.width; ++x) {
+    for (int64_t x = 0; x < features.width; ++x) {
       float r[3], most = 0;
       for (int64_t c = 0; c < 3; ++c) most = std::max(most, r[c] = reflectance(x, c));
       for (int64_t c = 0; c < 3; ++c) {
@@ -137,21 +110,15 @@ class DemodulateStep : public Step {
       }
     }
     for (int64_t c = 0; c < 3; ++c) {
-      const float* radiance = radiance_.row(y, s * 3 + c);
-      float* divided = forms_.row(y, s * 6 + c);
-      float* plain = forms_.row(y, s * 6 + 3 + c);
-      for (int64_t x = 0; x < features_.width; ++x) {
-        divided[x] = std::min(radiance[x], float(kLargestDemodulated)) / a[c * pitch + x];
-        plain[x] = radiance[x];
+      const float* light = radiance.row(y, s * 3 + c);
+      float* divided = forms.row(y, s * 6 + c);
+      float* plain = forms.row(y, s * 6 + 3 + c);
+      for (int64_t x = 0; x < features.width; ++x) {
+        divided[x] = std::min(light[x], float(kLargestDemodulated)) / a[c * pitch + x];
+        plain[x] = light[x];
       }
     }
   }
-
-  graph::Demodulate op_;
-  StepContext& context_;
-  RowWindow features_, radiance_, valid_, forms_, modulators_;
-  int64_t items_, feature_channels_;
-  std::vector<std::vector<float>> scratch_;
 };
 
 }  // namespace
@@ -160,7 +127,13 @@ std::unique_ptr<Step> make_step(const graph::Encode& op, const graph::Node& node
   return std::make_unique<EncodeStep>(op, node, context);
 }
 std::unique_ptr<Step> make_step(const graph::Demodulate& op, const graph::Node& node, StepContext& context) {
-  return std::make_unique<DemodulateStep>(op, node, context);
+  const DemodulateRow row = {op,
+                             context.input(node, 0),
+                             context.input(node, 1),
+                             context.input(node, 2),
+                             context.output(node, 0),
+                             context.output(node, 1)};
+  return row_step(context, row.scratch(), row);
 }
 
 }  // namespace ld

@@ -6,8 +6,7 @@
 #include "models/network_numbers.h"
 #include "ops/kernels/partition_tile.h"
 #include "runtime/fully_connected_rows.h"
-#include "runtime/parallel.h"
-#include "runtime/step.h"
+#include "runtime/row_step.h"
 
 namespace ld {
 namespace {
@@ -82,41 +81,6 @@ class PartitionStep : public Step {
   std::vector<PartitionScratch> scratch_;
 };
 
-class RejectStep : public Step {
- public:
-  RejectStep(const graph::Reject& op, const graph::Node& node, StepContext& context)
-      : context_(context),
-        log_n_(context.input(node, 0)),
-        embedding_(context.input(node, 1)),
-        shared_(context.input(node, 2)),
-        out_(context.output(node)),
-        weights_(one_output(op.weights, context.weights)) {}
-
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, (end - begin) * out_.planes,
-                 [&](int64_t i, int) { row(begin + i / out_.planes, i % out_.planes); });
-  }
-
- private:
-  void row(int64_t y, int64_t item) const {
-    const int64_t width = out_.width, channels = embedding_.planes / out_.planes;
-    float* __restrict out = out_.row(y, item);
-    std::fill_n(out, width, weights_[0]);
-    const auto add = [&](const float* __restrict values, float weight) {
-      for (int64_t x = 0; x < width; ++x) out[x] += weight * values[x];
-    };
-    for (int64_t c = 0; c < channels; ++c)
-      add(embedding_.row(y, item * channels + c), weights_[size_t(1 + c)]);
-    for (int64_t c = 0; c < shared_.planes; ++c) add(shared_.row(y, c), weights_[size_t(1 + channels + c)]);
-    const float* __restrict log_n = log_n_.row(y, item);
-    for (int64_t x = 0; x < width; ++x) out[x] = log_n[x] - float(kMostRejected) / (1 + std::exp(-out[x]));
-  }
-
-  StepContext& context_;
-  RowWindow log_n_, embedding_, shared_, out_;
-  std::vector<float> weights_;
-};
-
 }  // namespace
 
 std::unique_ptr<Step> make_step(const graph::FullyConnected& op, const graph::Node& node,
@@ -127,7 +91,21 @@ std::unique_ptr<Step> make_step(const graph::Partition& op, const graph::Node& n
   return std::make_unique<PartitionStep>(op, node, context);
 }
 std::unique_ptr<Step> make_step(const graph::Reject& op, const graph::Node& node, StepContext& context) {
-  return std::make_unique<RejectStep>(op, node, context);
+  const RowWindow log_n = context.input(node, 0), embedding = context.input(node, 1),
+                  shared = context.input(node, 2), out = context.output(node);
+  const int64_t channels = embedding.planes / out.planes;
+  return row_step(context, 0, [=, weights = one_output(op.weights, context.weights)](int64_t y, float*) {
+    for (int64_t item = 0; item < out.planes; ++item) {
+      float* __restrict to = out.row(y, item);
+      std::fill_n(to, out.width, weights[0]);
+      for (int64_t c = 0; c < channels; ++c)
+        add_weighted(embedding.row(y, item * channels + c), weights[size_t(1 + c)], out.width, to);
+      for (int64_t c = 0; c < shared.planes; ++c)
+        add_weighted(shared.row(y, c), weights[size_t(1 + channels + c)], out.width, to);
+      const float* __restrict from = log_n.row(y, item);
+      for (int64_t x = 0; x < out.width; ++x) to[x] = from[x] - float(kMostRejected) / (1 + std::exp(-to[x]));
+    }
+  });
 }
 
 }  // namespace ld

@@ -2,8 +2,7 @@
 #include <algorithm>
 
 #include "ops/kernels/convolution.h"
-#include "runtime/parallel.h"
-#include "runtime/step.h"
+#include "runtime/row_step.h"
 
 namespace ld {
 namespace {
@@ -13,28 +12,6 @@ void clear_tail(const RowWindow& window, int64_t y) {
   for (int64_t c = 0; c < window.planes; ++c)
     std::fill(window.row(y, c) + window.width, window.row(y, c) + padded(window.width), 0.0f);
 }
-
-class PadStep : public Step {
- public:
-  PadStep(const graph::Node& node, StepContext& context)
-      : context_(context), in_(context.input(node, 0)), out_(context.output(node)) {}
-
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, end - begin, [&](int64_t i, int) {
-      const int64_t y = begin + i, from = std::min(y, in_.height - 1);
-      for (int64_t c = 0; c < in_.planes; ++c) {
-        float* out = out_.row(y, c);
-        std::copy_n(in_.row(from, c), in_.width, out);
-        std::fill(out + in_.width, out + out_.width, out[in_.width - 1]);
-      }
-      clear_tail(out_, y);
-    });
-  }
-
- private:
-  StepContext& context_;
-  RowWindow in_, out_;
-};
 
 class ConvolutionStep : public Step {
  public:
@@ -87,96 +64,75 @@ class ConvolutionStep : public Step {
   std::vector<float> zeros_;  // beyond the border
 };
 
-class MaxPoolStep : public Step {
- public:
-  MaxPoolStep(const graph::Node& node, StepContext& context)
-      : context_(context), in_(context.input(node, 0)), out_(context.output(node)) {}
+/// Of Upsample, as LibTorch's, corners not aligned: the centre of a fine pixel lies a quarter of a coarse one
+/// from that one's centre.
+struct UpsampleRow {
+  graph::Upsample op;
+  RowWindow in, out;
 
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, end - begin, [&](int64_t i, int) {
-      const int64_t y = begin + i;
-      for (int64_t c = 0; c < out_.planes; ++c) {
-        const float* __restrict upper = in_.row(2 * y, c);
-        const float* __restrict lower = in_.row(2 * y + 1, c);
-        float* __restrict out = out_.row(y, c);
-        for (int64_t x = 0; x < out_.width; ++x)
-          out[x] =
-              std::max(std::max(upper[2 * x], upper[2 * x + 1]), std::max(lower[2 * x], lower[2 * x + 1]));
-      }
-      clear_tail(out_, y);
-    });
+  void operator()(int64_t y, float* blended) const {
+    for (int64_t c = 0; c < out.planes; ++c)
+      if (op.bilinear)
+        bilinear(y, c, blended);
+      else
+        nearest(y, c);
+    clear_tail(out, y);
   }
 
- private:
-  StepContext& context_;
-  RowWindow in_, out_;
-};
-
-/// As LibTorch's, corners not aligned: the centre of a fine pixel lies a quarter of a coarse one from that
-/// one's centre.
-class UpsampleStep : public Step {
- public:
-  UpsampleStep(const graph::Upsample& op, const graph::Node& node, StepContext& context)
-      : op_(op),
-        context_(context),
-        in_(context.input(node, 0)),
-        out_(context.output(node)),
-        scratch_(size_t(context.threads), std::vector<float>(size_t(in_.pitch))) {}
-
-  void run(int64_t begin, int64_t end) override {
-    parallel_for(context_.threads, end - begin, [&](int64_t i, int thread) {
-      const int64_t y = begin + i;
-      for (int64_t c = 0; c < out_.planes; ++c)
-        if (op_.bilinear)
-          bilinear(y, c, scratch_[size_t(thread)].data());
-        else
-          nearest(y, c);
-      clear_tail(out_, y);
-    });
-  }
-
- private:
   void nearest(int64_t y, int64_t c) const {
-    const float* in = in_.row(y / 2, c);
-    float* out = out_.row(y, c);
-    for (int64_t x = 0; x < in_.width; ++x) out[2 * x] = out[2 * x + 1] = in[x];
+    const float* from = in.row(y / 2, c);
+    float* to = out.row(y, c);
+    for (int64_t x = 0; x < in.width; ++x) to[2 * x] = to[2 * x + 1] = from[x];
   }
 
   void bilinear(int64_t y, int64_t c, float* __restrict blended) const {
-    const int64_t near = y / 2,
-                  far = std::clamp<int64_t>(y % 2 == 0 ? near - 1 : near + 1, 0, in_.height - 1);
-    const float* __restrict a = in_.row(near, c);
-    const float* __restrict b = in_.row(far, c);
-    float* __restrict out = out_.row(y, c);
-    const int64_t width = in_.width;
+    const int64_t near = y / 2, far = std::clamp<int64_t>(y % 2 == 0 ? near - 1 : near + 1, 0, in.height - 1);
+    const float* __restrict a = in.row(near, c);
+    const float* __restrict b = in.row(far, c);
+    float* __restrict to = out.row(y, c);
+    const int64_t width = in.width;
     for (int64_t x = 0; x < width; ++x) blended[x] = 0.75f * a[x] + 0.25f * b[x];
-    out[0] = blended[0];
+    to[0] = blended[0];
     for (int64_t x = 0; x + 1 < width; ++x) {
-      out[2 * x + 1] = 0.75f * blended[x] + 0.25f * blended[x + 1];
-      out[2 * x + 2] = 0.25f * blended[x] + 0.75f * blended[x + 1];
+      to[2 * x + 1] = 0.75f * blended[x] + 0.25f * blended[x + 1];
+      to[2 * x + 2] = 0.25f * blended[x] + 0.75f * blended[x + 1];
     }
-    out[2 * width - 1] = blended[width - 1];
+    to[2 * width - 1] = blended[width - 1];
   }
-
-  graph::Upsample op_;
-  StepContext& context_;
-  RowWindow in_, out_;
-  std::vector<std::vector<float>> scratch_;
 };
 
 }  // namespace
 
 std::unique_ptr<Step> make_step(const graph::Pad&, const graph::Node& node, StepContext& context) {
-  return std::make_unique<PadStep>(node, context);
+  const RowWindow in = context.input(node, 0), out = context.output(node);
+  return row_step(context, 0, [=](int64_t y, float*) {
+    for (int64_t c = 0; c < in.planes; ++c) {
+      float* to = out.row(y, c);
+      std::copy_n(in.row(std::min(y, in.height - 1), c), in.width, to);
+      std::fill(to + in.width, to + out.width, to[in.width - 1]);
+    }
+    clear_tail(out, y);
+  });
 }
 std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<ConvolutionStep>(op, node, context);
 }
 std::unique_ptr<Step> make_step(const graph::MaxPool&, const graph::Node& node, StepContext& context) {
-  return std::make_unique<MaxPoolStep>(node, context);
+  const RowWindow in = context.input(node, 0), out = context.output(node);
+  return row_step(context, 0, [=](int64_t y, float*) {
+    for (int64_t c = 0; c < out.planes; ++c) {
+      const float* __restrict upper = in.row(2 * y, c);
+      const float* __restrict lower = in.row(2 * y + 1, c);
+      float* __restrict to = out.row(y, c);
+      for (int64_t x = 0; x < out.width; ++x)
+        to[x] = std::max(std::max(upper[2 * x], upper[2 * x + 1]), std::max(lower[2 * x], lower[2 * x + 1]));
+    }
+    clear_tail(out, y);
+  });
 }
 std::unique_ptr<Step> make_step(const graph::Upsample& op, const graph::Node& node, StepContext& context) {
-  return std::make_unique<UpsampleStep>(op, node, context);
+  const UpsampleRow row = {op, context.input(node, 0), context.output(node)};
+  return row_step(context, row.in.pitch, row);
 }
 
 }  // namespace ld
