@@ -6,13 +6,14 @@
 
 namespace ld {
 
-/// Throws Error for a network that has no graph yet: "optimized" and "pixel_blend".
+/// Throws Error for a network that has no graph yet: "optimized".
 graph::Graph network_graph(const NetworkConfig& config);
 
 /// [MH20] figure 2 (models/networks/layer_network.h).
 graph::Graph layer_graph(const NetworkConfig& config);
 
-/// "pixel_splat" and "pixel_gather": one kernel for each pixel (models/networks/pixel_network.h).
+/// "pixel_blend", "pixel_gather" and "pixel_splat": one filter for each pixel
+/// (models/networks/pixel_network.h).
 graph::Graph pixel_graph(const NetworkConfig& config);
 
 /// One kernel for each sample (models/networks/sample_splat_network.h).

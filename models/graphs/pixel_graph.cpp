@@ -25,6 +25,31 @@ GraphInput add_pixel_mean(Graph& graph, const NetworkConfig& config, const Graph
   return mean;
 }
 
+/// What the filters read.
+struct GraphPixels {
+  ValueId embedding, context, drawn, log_n, radiance;
+};
+
+ValueId add_kernels(Graph& graph, const NetworkConfig& config, const GraphPixels& pixels,
+                    const graph::Value& filtered) {
+  const graph::Splat splat = make_splat(config, /*joint=*/false);
+  const std::vector<ValueId> read = {pixels.embedding, pixels.context, pixels.log_n, pixels.radiance};
+  if (config.name == "pixel_gather")
+    return graph.add(graph::Gather{splat.generator, splat.kernel}, read, filtered);
+  return graph.add(splat, read, filtered);
+}
+
+/// models/networks/pixel_blend_network.cpp.
+ValueId add_blend(Graph& graph, const NetworkConfig& config, const GraphPixels& pixels,
+                  const graph::Value& filtered) {
+  graph::Value value = filtered;
+  value.name = "blurred";
+  const ValueId blurred =
+      graph.add(graph::Blur{config.kernel_size}, {pixels.log_n, pixels.radiance}, std::move(value));
+  const ValueId logit = add_fully_connected(graph, {"blend"}, 1, pixels.embedding, pixels.context);
+  return graph.add(graph::Mix{}, {logit, pixels.drawn, pixels.radiance, blurred}, filtered);
+}
+
 }  // namespace
 
 Graph pixel_graph(const NetworkConfig& config) {
@@ -38,17 +63,16 @@ Graph pixel_graph(const NetworkConfig& config) {
 
   const std::optional<ValueId> modulators = add_demodulation(graph, config, input);
   const int64_t colours = graph[input.radiance].channels;
-  const ValueId radiance = graph.add(graph::MaskedMean{}, {input.radiance, input.valid},
-                                     {"pixel_radiance", Items::picture, colours});
-  const ValueId drawn = graph.add(graph::AnyValid{}, {input.valid}, {"drawn", Items::picture, 1});
-  ValueId log_n = graph.add(graph::LogValid{}, {drawn}, {"log_n", Items::picture, 1});
-  log_n = add_rejection(graph, config, log_n, embedding, context);
-  const graph::Splat splat = make_splat(config, /*joint=*/false);
-  const std::vector<ValueId> read = {embedding, context, log_n, radiance};
+  GraphPixels pixels = {embedding, context, 0, 0, 0};
+  pixels.radiance = graph.add(graph::MaskedMean{}, {input.radiance, input.valid},
+                              {"pixel_radiance", Items::picture, colours});
+  pixels.drawn = graph.add(graph::AnyValid{}, {input.valid}, {"drawn", Items::picture, 1});
+  pixels.log_n =
+      add_rejection(graph, config, graph.add(graph::LogValid{}, {pixels.drawn}, {"log_n", Items::picture, 1}),
+                    embedding, context);
   const graph::Value filtered = {"filtered", Items::picture, colours};
-  const ValueId picture = config.name == "pixel_gather"
-                              ? graph.add(graph::Gather{splat.generator, splat.kernel}, read, filtered)
-                              : graph.add(splat, read, filtered);
+  const ValueId picture = config.name == "pixel_blend" ? add_blend(graph, config, pixels, filtered)
+                                                       : add_kernels(graph, config, pixels, filtered);
   graph.output = add_modulation(graph, picture, modulators, context);
   return graph;
 }

@@ -99,6 +99,16 @@ struct Gather {
   int64_t kernel = 1;
 };
 
+/// log n [1, 1], values [1, C] -> [1, C]: the mean of the neighbours under a Gaussian of `kernel` taps a
+/// side, whose deviation is a sixth of that (models/networks/pixel_blend_network.cpp).
+struct Blur {
+  int64_t kernel = 1;
+};
+
+/// logit [1, 1], valid [1, 1], x [1, C], y [1, C] -> k x + (1 - k) y with k = sigmoid(logit), 0 where not
+/// valid.
+struct Mix {};
+
 /// [N, C + 1], the transmittance last -> [1, C] ([MH20] eq. 5; models/compositor.h).
 struct Composite {};
 
@@ -109,7 +119,7 @@ struct Modulate {
 
 using Operator = std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped,
                               FullyConnected, Pad, Convolution, MaxPool, Upsample, Demodulate, Partition,
-                              Reject, Splat, Gather, Composite, Modulate>;
+                              Reject, Splat, Gather, Blur, Mix, Composite, Modulate>;
 
 /// Source rows that a splat adds up before it puts them together with others': a fixed number, so that its
 /// bits depend on nothing else.

@@ -21,6 +21,7 @@ struct ReadTo {
     return (end + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
   }
   int64_t operator()(const Gather& op) const { return end + op.kernel / 2; }
+  int64_t operator()(const Blur& op) const { return end + op.kernel / 2; }
   int64_t operator()(const Modulate&) const { return end + 1; }
 };
 
@@ -41,6 +42,7 @@ struct ReadFrom {
     return begin == 0 ? 0 : (begin + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
   }
   int64_t operator()(const Gather& op) const { return begin - op.kernel / 2; }
+  int64_t operator()(const Blur& op) const { return begin - op.kernel / 2; }
   int64_t operator()(const Modulate&) const { return begin - 1; }
 };
 

@@ -41,7 +41,7 @@ struct StepContext {
 
 std::unique_ptr<Step> make_step(const graph::Node& node, StepContext& context);
 
-// One for each operator; files by kind: steps_input.cpp, steps_unet.cpp, steps_pixel.cpp, steps_filter.cpp.
+// One for each operator; files by kind: steps_*.cpp.
 std::unique_ptr<Step> make_step(const graph::Encode& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::MaskedMean& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::AnyValid& op, const graph::Node& node, StepContext& context);
@@ -60,6 +60,8 @@ std::unique_ptr<Step> make_step(const graph::Partition& op, const graph::Node& n
 std::unique_ptr<Step> make_step(const graph::Reject& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Gather& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Blur& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Mix& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Composite& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
 

@@ -209,6 +209,19 @@ struct ModulateRow {
 std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<SplatStep>(op, node, context);
 }
+std::unique_ptr<Step> make_step(const graph::Mix&, const graph::Node& node, StepContext& context) {
+  const RowWindow logit = context.input(node, 0), valid = context.input(node, 1),
+                  first = context.input(node, 2), second = context.input(node, 3), out = context.output(node);
+  return row_step(context, out.width, [=](int64_t y, float* __restrict k) {
+    for (int64_t x = 0; x < out.width; ++x) k[x] = valid.row(y)[x] / (1 + std::exp(-logit.row(y)[x]));
+    for (int64_t c = 0; c < out.planes; ++c) {
+      const float* __restrict a = first.row(y, c);
+      const float* __restrict b = second.row(y, c);
+      float* __restrict to = out.row(y, c);
+      for (int64_t x = 0; x < out.width; ++x) to[x] = k[x] * a[x] + (1 - k[x]) * b[x];
+    }
+  });
+}
 std::unique_ptr<Step> make_step(const graph::Composite&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);
   return row_step(context, in.width, [=](int64_t y, float* __restrict visible) {

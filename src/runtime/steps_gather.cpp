@@ -11,25 +11,23 @@
 namespace ld {
 namespace {
 
-class GatherStep : public Step {
+/// What gathers share: sources in rows, and a stretch at a time of the results.
+class GatheringStep : public Step {
  public:
-  GatherStep(const graph::Gather& op, const graph::Node& node, StepContext& context)
+  GatheringStep(StepContext& context, int64_t kernel, const RowWindow& log_n, const RowWindow& values,
+                const RowWindow& out)
       : context_(context),
-        embedding_(context.input(node, 0)),
-        shared_(context.input(node, 1)),
-        log_n_(context.input(node, 2)),
-        values_(context.input(node, 3)),
-        out_(context.output(node)),
-        network_(tile_network(op.generator, context.weights, embedding_.planes, op.kernel * op.kernel)),
-        shape_{1, op.kernel, values_.planes, values_.height, values_.width},
+        log_n_(log_n),
+        values_(values),
+        out_(out),
+        shape_{1, kernel, values_.planes, values_.height, values_.width},
         pixels_(stretch_pixels(shape_.taps(), shape_.width)),
         sources_(shape_, values_.capacity),
         finite_values_(values_.planes, values_.width, 1, 1),
         memory_(hwy::AllocateAligned<float>(size_t(finite_values_.floats()))),
         finite_log_n_(size_t(values_.width)) {
     finite_values_.memory = memory_.get();
-    for (int t = 0; t < context.threads; ++t)
-      workers_.push_back({network_.make_scratch(pixels_, false), GatherRow(shape_, pixels_)});
+    for (int t = 0; t < context.threads; ++t) rows_.emplace_back(shape_, pixels_);
   }
 
   void start() override { filled_ = 0; }
@@ -39,25 +37,24 @@ class GatherStep : public Step {
       fill(filled_);
     for_each_stretch(context_.threads, begin, end, shape_.width, pixels_,
                      [&](int64_t y, int64_t x, int64_t count, int thread) {
-                       Worker& worker = workers_[size_t(thread)];
-                       network_.begin_tile(worker.scratch, count, {shared_.row(y) + x, shared_.pitch});
-                       network_.forward(worker.scratch, count, {embedding_.row(y) + x, embedding_.pitch},
-                                        worker.row.logits.row(0), worker.row.logits.pitch());
-                       gather_stretch(shape_, sources_, {y, x, count}, worker.row);
+                       GatherRow& row = rows_[size_t(thread)];
+                       make_logits({y, x, count}, thread, row.logits);
+                       gather_stretch(shape_, sources_, {y, x, count}, row);
                        for (int64_t c = 0; c < shape_.channels; ++c) {
-                         const float* from = worker.row.out.row(c);
+                         const float* from = row.out.row(c);
                          float* to = out_.row(y, c) + x;
                          for (int64_t i = 0; i < count; ++i) to[i] = from[i] / context_.value_scale;
                        }
                      });
   }
 
- private:
-  struct Worker {
-    TileNetwork::Scratch scratch;
-    GatherRow row;
-  };
+ protected:
+  /// The logits of all taps of a stretch.
+  virtual void make_logits(const Stretch& at, int thread, StagedRows& logits) = 0;
 
+  int64_t pixels() const { return pixels_; }
+
+ private:
   /// Row y of the sources; a pixel whose values or weight are not finite gives nothing
   /// (ops/finite_sources.h).
   void fill(int64_t y) {
@@ -73,22 +70,68 @@ class GatherStep : public Step {
   }
 
   StepContext& context_;
-  RowWindow embedding_, shared_, log_n_, values_, out_;
-  TileNetwork network_;
+  RowWindow log_n_, values_, out_;
   FilterShape shape_;
   int64_t pixels_;
   GatherSources sources_;
   RowWindow finite_values_;  // of a row on its way to the sources
   Floats memory_;
   std::vector<float> finite_log_n_;
-  std::vector<Worker> workers_;
+  std::vector<GatherRow> rows_;  // of each thread
   int64_t filled_ = 0;
+};
+
+class GatherStep : public GatheringStep {
+ public:
+  GatherStep(const graph::Gather& op, const graph::Node& node, StepContext& context)
+      : GatheringStep(context, op.kernel, context.input(node, 2), context.input(node, 3),
+                      context.output(node)),
+        embedding_(context.input(node, 0)),
+        shared_(context.input(node, 1)),
+        network_(tile_network(op.generator, context.weights, embedding_.planes, op.kernel * op.kernel)) {
+    for (int t = 0; t < context.threads; ++t) scratch_.push_back(network_.make_scratch(pixels(), false));
+  }
+
+ private:
+  void make_logits(const Stretch& at, int thread, StagedRows& logits) override {
+    TileNetwork::Scratch& scratch = scratch_[size_t(thread)];
+    network_.begin_tile(scratch, at.count, {shared_.row(at.y) + at.x, shared_.pitch});
+    network_.forward(scratch, at.count, {embedding_.row(at.y) + at.x, embedding_.pitch}, logits.row(0),
+                     logits.pitch());
+  }
+
+  RowWindow embedding_, shared_;
+  TileNetwork network_;
+  std::vector<TileNetwork::Scratch> scratch_;
+};
+
+class BlurStep : public GatheringStep {
+ public:
+  BlurStep(const graph::Blur& op, const graph::Node& node, StepContext& context)
+      : GatheringStep(context, op.kernel, context.input(node, 0), context.input(node, 1),
+                      context.output(node)) {
+    const int64_t radius = op.kernel / 2;
+    for (int64_t dy = -radius; dy <= radius; ++dy)
+      for (int64_t dx = -radius; dx <= radius; ++dx)
+        logits_.push_back(float(-18.0 * double(dy * dy + dx * dx) / double(op.kernel * op.kernel)));
+  }
+
+ private:
+  void make_logits(const Stretch& at, int /*thread*/, StagedRows& logits) override {
+    for (size_t tap = 0; tap < logits_.size(); ++tap)
+      std::fill_n(logits.row(int64_t(tap)), padded(at.count), logits_[tap]);
+  }
+
+  std::vector<float> logits_;  // of each tap
 };
 
 }  // namespace
 
 std::unique_ptr<Step> make_step(const graph::Gather& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<GatherStep>(op, node, context);
+}
+std::unique_ptr<Step> make_step(const graph::Blur& op, const graph::Node& node, StepContext& context) {
+  return std::make_unique<BlurStep>(op, node, context);
 }
 
 }  // namespace ld

@@ -76,7 +76,7 @@ std::string full_title(const NetworkConfig& config) {
 std::vector<NetworkConfig> graph_configs() {
   std::vector<NetworkConfig> configs;
   for (const NetworkConfig& config : every_config())
-    for (const char* name : {"layer", "pixel_gather", "pixel_splat", "sample_splat"})
+    for (const char* name : {"layer", "pixel_blend", "pixel_gather", "pixel_splat", "sample_splat"})
       if (config.name == name) configs.push_back(config);
   NetworkConfig nearest = configs[0];
   nearest.unet.upsampling = "nearest";
