@@ -6,7 +6,7 @@
 
 namespace ld {
 
-/// Throws Error for a network that has no graph yet: "optimized".
+/// Of every network of models/networks.def. Throws Error for another name.
 graph::Graph network_graph(const NetworkConfig& config);
 
 /// [MH20] figure 2 (models/networks/layer_network.h).
@@ -15,6 +15,9 @@ graph::Graph layer_graph(const NetworkConfig& config);
 /// "pixel_blend", "pixel_gather" and "pixel_splat": one filter for each pixel
 /// (models/networks/pixel_network.h).
 graph::Graph pixel_graph(const NetworkConfig& config);
+
+/// A pyramid of layers ([MH20] section 6; models/networks/optimized_network.h).
+graph::Graph optimized_graph(const NetworkConfig& config);
 
 /// One kernel for each sample (models/networks/sample_splat_network.h).
 graph::Graph sample_splat_graph(const NetworkConfig& config);

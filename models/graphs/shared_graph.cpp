@@ -1,5 +1,7 @@
 #include "models/graphs/shared_graph.h"
 
+#include <algorithm>
+
 #include "frame/schema.h"
 
 namespace ld {
@@ -75,13 +77,17 @@ ValueId add_rejection(Graph& graph, const NetworkConfig& config, ValueId log_n, 
                    {"weighed", graph[log_n].items, 1});
 }
 
-graph::Splat make_splat(const NetworkConfig& config, bool joint) {
-  return {{"kernel_generator", int64_t(config.kernel_generator.size()) + 1, false, config.logit_bound},
-          config.kernel_size,
-          joint};
+graph::Splat make_splat(const NetworkConfig& config, bool joint, int level) {
+  graph::Splat splat = {
+      {"kernel_generator", int64_t(config.kernel_generator.size()) + 1, false, config.logit_bound},
+      config.kernel_size,
+      joint};
+  // As many of full resolution, as far as that is worth it: what finer levels hold waits for them.
+  splat.rows = std::max<int64_t>(splat.rows >> level, 8);
+  return splat;
 }
 
-ValueId add_unet(Graph& graph, const UNetConfig& config, ValueId picture) {
+std::vector<ValueId> add_unet_features(Graph& graph, const UNetConfig& config, ValueId picture) {
   const int levels = int(config.encoder.size());
   graph.multiple = int64_t(1) << levels;
   Value value = {"padded", Items::picture, graph[picture].channels, 0, /*padded=*/true};
@@ -95,7 +101,7 @@ ValueId add_unet(Graph& graph, const UNetConfig& config, ValueId picture) {
     ++value.level;
     x = graph.add(graph::MaxPool{}, {x}, value);
   }
-  x = add_block(graph, "bottleneck", config.bottleneck, {x});
+  std::vector<ValueId> features = {x = add_block(graph, "bottleneck", config.bottleneck, {x})};
   for (int block = 0; block < levels; ++block) {
     value = graph[x];
     value.name = "upsampled";
@@ -103,11 +109,14 @@ ValueId add_unet(Graph& graph, const UNetConfig& config, ValueId picture) {
     x = graph.add(graph::Upsample{config.upsampling == "bilinear"}, {x}, value);
     x = add_block(graph, "decoder" + std::to_string(block), config.decoder[size_t(block)], {x, skips.back()});
     skips.pop_back();
+    features.push_back(x);
   }
   value = graph[x];
   value.name = "context";
   value.channels = config.context;
-  return graph.add(graph::Convolution{"unet.context", /*activated=*/false}, {x}, value);
+  features.back() = graph.add(graph::Convolution{"unet.context", /*activated=*/false}, {x}, value);
+  std::reverse(features.begin(), features.end());
+  return features;
 }
 
 }  // namespace ld

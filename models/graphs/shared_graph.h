@@ -34,10 +34,15 @@ graph::ValueId add_modulation(graph::Graph& graph, graph::ValueId filtered,
 graph::ValueId add_rejection(graph::Graph& graph, const NetworkConfig& config, graph::ValueId log_n,
                              graph::ValueId embedding, graph::ValueId context);
 
-/// The splat of a kernel generator.
-graph::Splat make_splat(const NetworkConfig& config, bool joint);
+/// The splat of a kernel generator, at a level of the picture.
+graph::Splat make_splat(const NetworkConfig& config, bool joint, int level = 0);
 
-/// A picture of embeddings -> the context C_xy.
-graph::ValueId add_unet(graph::Graph& graph, const UNetConfig& config, graph::ValueId picture);
+/// A picture of embeddings -> what the U-net's decoder knows at full resolution (the context C_xy), 1/2, 1/4,
+/// ... (UNet::features()), of the padded picture.
+std::vector<graph::ValueId> add_unet_features(graph::Graph& graph, const UNetConfig& config,
+                                              graph::ValueId picture);
+inline graph::ValueId add_unet(graph::Graph& graph, const UNetConfig& config, graph::ValueId picture) {
+  return add_unet_features(graph, config, picture)[0];
+}
 
 }  // namespace ld

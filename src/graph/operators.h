@@ -39,13 +39,15 @@ struct ToneMapped {
   int64_t first = 0;
 };
 
-/// x [n, X] and, where there is a second input, context [1, Y] -> [n, outputs]: layers of leaky ReLU
-/// (ops/fully_connected.h). Parameters: <weights>.<layer>.weight and .bias.
+/// x [n, X] and, where there is a second input, context [1, Y] -> [n, outputs], or [1, outputs] of the first
+/// item alone: layers of leaky ReLU (ops/fully_connected.h). Parameters: <weights>.<layer>.weight and .bias;
+/// of the last layer's, those from `first_output` on.
 struct FullyConnected {
   std::string weights;
   int64_t depth = 1;
   bool activate_last = false;
   double bound = 0;
+  int64_t first_output = 0;
 };
 
 /// [1, C] -> the same, its last row and column repeated to the padded sides.
@@ -61,10 +63,28 @@ struct Convolution {
 /// 2x2, to the next level.
 struct MaxPool {};
 
-/// Twice the sides, from the next level.
+/// 2^levels times the sides, from so many levels on; the last rows and columns are left out where the result
+/// has fewer.
 struct Upsample {
   bool bilinear = true;
+  int levels = 1;
 };
+
+/// log n [N, 1], pixels [1, 1], embedding [N, E] and values [N, ...] one behind the other -> the same at the
+/// next level: four pixels become one. `pixels` is how many pixels of full resolution with samples lie in
+/// each (models/networks/layer_pyramid.h).
+struct Halve {};
+
+/// pixels [1, 1] -> [1, 1]: 1 where a kernel of so many taps a side reaches from a pixel with samples, else
+/// 0.
+struct Received {
+  int64_t kernel = 1;
+};
+
+/// logits [1, L], then of each level its picture [1, C] and what it received [1, 1], both scaled up -> [1,
+/// C]: a softmax over the levels that have something to say ([MH20] eq. 10;
+/// models/networks/optimized_network.h).
+struct BlendLevels {};
 
 /// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what Modulate
 /// needs [1, 4] (models/demodulation.h). First channels of the features that are there, else -1.
@@ -90,6 +110,7 @@ struct Splat {
   FullyConnected generator;
   int64_t kernel = 1;
   bool joint = false;  // over all layers, to one result
+  int64_t rows = 32;   // of sources that are added up before they meet others': fixed, so that bits are
 };
 
 /// embedding [1, E], context [1, Y], log n [1, 1], values [1, C] -> [1, C]: what each pixel receives from its
@@ -117,13 +138,10 @@ struct Modulate {
   std::string weights;
 };
 
-using Operator = std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped,
-                              FullyConnected, Pad, Convolution, MaxPool, Upsample, Demodulate, Partition,
-                              Reject, Splat, Gather, Blur, Mix, Composite, Modulate>;
-
-/// Source rows that a splat adds up before it puts them together with others': a fixed number, so that its
-/// bits depend on nothing else.
-constexpr int64_t kSplatRows = 32;
+using Operator =
+    std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped, FullyConnected,
+                 Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
+                 Reject, Splat, Gather, Blur, Mix, Composite, Modulate>;
 
 /// Rows of an input that an operator reads for its rows [begin, end): up to rows_read_to(end), and of the
 /// rows before rows_read_from(begin) none any more once all rows before `begin` are made. Both within [0,

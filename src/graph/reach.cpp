@@ -14,11 +14,16 @@ struct ReadTo {
   }
   int64_t operator()(const Convolution&) const { return end + 1; }
   int64_t operator()(const MaxPool&) const { return 2 * end; }
-  /// Bilinear: row y blends (y - 1) / 2 and (y + 1) / 2.
-  int64_t operator()(const Upsample& op) const { return op.bilinear ? end / 2 + 1 : (end + 1) / 2; }
+  int64_t operator()(const Halve&) const { return 2 * end; }
+  int64_t operator()(const Received& op) const { return end + op.kernel / 2; }
+  /// Bilinear: with n = 2^levels, row y blends (y - n / 2) / n, rounded down, and the next.
+  int64_t operator()(const Upsample& op) const {
+    const int64_t n = int64_t(1) << op.levels;
+    return op.bilinear ? (end - 1 + n / 2) / n + 1 : (end - 1) / n + 1;
+  }
   /// Whole strips of sources.
   int64_t operator()(const Splat& op) const {
-    return (end + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
+    return (end + op.kernel / 2 + op.rows - 1) / op.rows * op.rows;
   }
   int64_t operator()(const Gather& op) const { return end + op.kernel / 2; }
   int64_t operator()(const Blur& op) const { return end + op.kernel / 2; }
@@ -36,10 +41,15 @@ struct ReadFrom {
   int64_t operator()(const Pad&) const { return std::min(begin, height - 1); }
   int64_t operator()(const Convolution&) const { return begin - 1; }
   int64_t operator()(const MaxPool&) const { return 2 * begin; }
-  int64_t operator()(const Upsample& op) const { return op.bilinear ? (begin + 1) / 2 - 1 : begin / 2; }
+  int64_t operator()(const Halve&) const { return 2 * begin; }
+  int64_t operator()(const Received& op) const { return begin - op.kernel / 2; }
+  int64_t operator()(const Upsample& op) const {
+    const int64_t n = int64_t(1) << op.levels;
+    return op.bilinear ? (begin + n / 2) / n - 1 : begin / n;
+  }
   /// What the rows before have read is summed already.
   int64_t operator()(const Splat& op) const {
-    return begin == 0 ? 0 : (begin + op.kernel / 2 + kSplatRows - 1) / kSplatRows * kSplatRows;
+    return begin == 0 ? 0 : (begin + op.kernel / 2 + op.rows - 1) / op.rows * op.rows;
   }
   int64_t operator()(const Gather& op) const { return begin - op.kernel / 2; }
   int64_t operator()(const Blur& op) const { return begin - op.kernel / 2; }

@@ -8,10 +8,9 @@
 namespace ld {
 
 /// Of `depth` layers named <weights>.0, <weights>.1, ..., whose first reads x_inputs channels and then those
-/// that all items of a pixel share. `outputs`, where it is not 0: only so many of the last layer's, from the
-/// first on.
+/// that all items of a pixel share.
 inline TileNetwork tile_network(const graph::FullyConnected& op, const NamedWeights& weights,
-                                int64_t x_inputs, int64_t outputs = 0) {
+                                int64_t x_inputs, int64_t outputs) {
   std::vector<TileNetwork::Layer> layers;
   for (int64_t i = 0; i < op.depth; ++i) {
     const std::string name = op.weights + "." + std::to_string(i);
@@ -19,7 +18,10 @@ inline TileNetwork tile_network(const graph::FullyConnected& op, const NamedWeig
     layers.push_back(
         {weight.values.data(), weights.at(name + ".bias").values.data(), weight.shape[0], weight.shape[1]});
   }
-  if (outputs > 0) layers.back().outputs = outputs;
+  TileNetwork::Layer& last = layers.back();
+  last.weights += op.first_output * last.inputs;
+  last.biases += op.first_output;
+  last.outputs = outputs;
   return {std::move(layers), x_inputs, {op.activate_last, float(op.bound)}, /*for_backward=*/false};
 }
 

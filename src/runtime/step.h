@@ -55,6 +55,9 @@ std::unique_ptr<Step> make_step(const graph::Pad& op, const graph::Node& node, S
 std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::MaxPool& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Upsample& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Halve& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Received& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::BlendLevels& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Demodulate& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Partition& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Reject& op, const graph::Node& node, StepContext& context);

@@ -15,8 +15,8 @@ namespace {
 class SplatStep : public Step {
  public:
   SplatStep(const graph::Splat& op, const graph::Node& node, StepContext& context)
-      : context_(context),
-        joint_(op.joint),
+      : op_(op),
+        context_(context),
         embedding_(context.input(node, 0)),
         shared_(context.input(node, 1)),
         log_n_(context.input(node, 2)),
@@ -39,12 +39,12 @@ class SplatStep : public Step {
   }
 
   void run(int64_t begin, int64_t end) override {
-    add_strips((std::min(end + shape_.radius(), shape_.height) + graph::kSplatRows - 1) / graph::kSplatRows);
+    add_strips((std::min(end + shape_.radius(), shape_.height) + op_.rows - 1) / op_.rows);
     std::vector<SplatStrip*> strips;
     for (const auto& strip : strips_) strips.push_back(strip.get());
     parallel_for(context_.threads, end - begin, [&](int64_t i, int) {
       const int64_t y = begin + i;
-      merge_row(shape_, joint_, strips, y, {out_.row(y), nullptr, nullptr, out_.pitch});
+      merge_row(shape_, op_.joint, strips, y, {out_.row(y), nullptr, nullptr, out_.pitch});
       if (context_.value_scale != 1)
         for (int64_t c = 0; c < out_.planes; ++c)
           for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= context_.value_scale;
@@ -64,35 +64,35 @@ class SplatStep : public Step {
   /// Keeps the memory of a strip that has all of its rows: it does for every other.
   void drop_front() {
     const int64_t number = next_ - int64_t(strips_.size());
-    if ((number + 1) * graph::kSplatRows <= shape_.height) spare_.push_back(std::move(strips_.front()));
+    if ((number + 1) * op_.rows <= shape_.height) spare_.push_back(std::move(strips_.front()));
     strips_.pop_front();
   }
 
   /// One past the last row that the first strip reaches.
   int64_t reach_of_front() const {
     const int64_t number = next_ - int64_t(strips_.size());
-    return std::min((number + 1) * graph::kSplatRows + shape_.radius(), shape_.height);
+    return std::min((number + 1) * op_.rows + shape_.radius(), shape_.height);
   }
 
   /// Sums up the sources of all strips before `count`. Stretches that reach into one another's columns take
   /// turns: first the even ones of all strips, then the odd ones, whatever the threads.
   void add_strips(int64_t count) {
     const auto first = int64_t(strips_.size());
-    for (; next_ < count; ++next_) strips_.push_back(begin_strip(next_ * graph::kSplatRows));
+    for (; next_ < count; ++next_) strips_.push_back(begin_strip(next_ * op_.rows));
     const int64_t made = int64_t(strips_.size()) - first, number = next_ - made;
     const int64_t stretches = (shape_.width + pixels_ - 1) / pixels_;
     for (int64_t turn = 0; turn < 2; ++turn) {
       const int64_t mine = (stretches + 1 - turn) / 2;
       parallel_for(context_.threads, made * mine, [&](int64_t i, int thread) {
-        add_column((number + i / mine) * graph::kSplatRows, (2 * (i % mine) + turn) * pixels_,
+        add_column((number + i / mine) * op_.rows, (2 * (i % mine) + turn) * pixels_,
                    workers_[size_t(thread)], *strips_[size_t(first + i / mine)]);
       });
     }
   }
 
   std::unique_ptr<SplatStrip> begin_strip(int64_t first) {
-    const int64_t last = std::min(first + graph::kSplatRows, shape_.height);
-    if (spare_.empty()) return std::make_unique<SplatStrip>(shape_, joint_, first, last);
+    const int64_t last = std::min(first + op_.rows, shape_.height);
+    if (spare_.empty()) return std::make_unique<SplatStrip>(shape_, op_.joint, first, last);
     std::unique_ptr<SplatStrip> strip = std::move(spare_.back());
     spare_.pop_back();
     strip->restart(shape_, first, last);
@@ -101,7 +101,7 @@ class SplatStep : public Step {
 
   /// The stretches at `x` of a strip's sources: the rows that one reaches stay in the cache for the next.
   void add_column(int64_t first, int64_t x, Worker& worker, SplatStrip& strip) const {
-    for (int64_t y = first; y < std::min(first + graph::kSplatRows, shape_.height); ++y) {
+    for (int64_t y = first; y < std::min(first + op_.rows, shape_.height); ++y) {
       const Stretch at{y, x, std::min(pixels_, shape_.width - x)};
       stage_stretch(at, worker);
       splat_exponents(shape_, worker.sources, at.count);
@@ -149,8 +149,8 @@ class SplatStep : public Step {
       }
   }
 
+  graph::Splat op_;
   StepContext& context_;
-  bool joint_;
   RowWindow embedding_, shared_, log_n_, out_;
   std::vector<RowWindow> values_;
   TileNetwork network_;

@@ -19,8 +19,9 @@ class FullyConnectedStep : public Step {
       : context_(context),
         x_(context.input(node, 0)),
         out_(context.output(node)),
-        items_(context.items(node.inputs[0])),
-        network_(tile_network(op, context.weights, x_.planes / items_)) {
+        items_(context.items(node.outputs[0])),
+        network_(tile_network(op, context.weights, context.graph[node.inputs[0]].channels,
+                              context.graph[node.outputs[0]].channels)) {
     if (node.inputs.size() > 1) shared_ = context.input(node, 1);
     for (int t = 0; t < context.threads; ++t) scratch_.push_back(network_.make_scratch(kTilePixels, false));
   }

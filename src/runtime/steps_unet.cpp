@@ -1,5 +1,6 @@
 // The boxes of the U-net ([MH20] figure 3), row by row.
 #include <algorithm>
+#include <type_traits>
 
 #include "ops/kernels/convolution.h"
 #include "runtime/row_step.h"
@@ -64,40 +65,61 @@ class ConvolutionStep : public Step {
   std::vector<float> zeros_;  // beyond the border
 };
 
-/// Of Upsample, as LibTorch's, corners not aligned: the centre of a fine pixel lies a quarter of a coarse one
-/// from that one's centre.
+/// Of Upsample, as LibTorch's, corners not aligned: between the centres of two coarse pixels lie those of n
+/// fine ones, the first half a fine pixel from the first.
 struct UpsampleRow {
   graph::Upsample op;
   RowWindow in, out;
 
   void operator()(int64_t y, float* blended) const {
     for (int64_t c = 0; c < out.planes; ++c)
-      if (op.bilinear)
-        bilinear(y, c, blended);
-      else
+      if (!op.bilinear)
         nearest(y, c);
+      else if (op.levels == 1)
+        bilinear(y, c, std::integral_constant<int64_t, 2>(), blended);
+      else
+        bilinear(y, c, int64_t(1) << op.levels, blended);
     clear_tail(out, y);
   }
 
   void nearest(int64_t y, int64_t c) const {
-    const float* from = in.row(y / 2, c);
+    const float* from = in.row(y >> op.levels, c);
     float* to = out.row(y, c);
-    for (int64_t x = 0; x < in.width; ++x) to[2 * x] = to[2 * x + 1] = from[x];
+    for (int64_t x = 0; x < out.width; ++x) to[x] = from[x >> op.levels];
   }
 
-  void bilinear(int64_t y, int64_t c, float* __restrict blended) const {
-    const int64_t near = y / 2, far = std::clamp<int64_t>(y % 2 == 0 ? near - 1 : near + 1, 0, in.height - 1);
-    const float* __restrict a = in.row(near, c);
-    const float* __restrict b = in.row(far, c);
-    float* __restrict to = out.row(y, c);
-    const int64_t width = in.width;
-    for (int64_t x = 0; x < width; ++x) blended[x] = 0.75f * a[x] + 0.25f * b[x];
-    to[0] = blended[0];
-    for (int64_t x = 0; x + 1 < width; ++x) {
-      to[2 * x + 1] = 0.75f * blended[x] + 0.25f * blended[x + 1];
-      to[2 * x + 2] = 0.25f * blended[x] + 0.75f * blended[x + 1];
+  /// The coarse pixel whose centre comes before that of fine pixel `at`, and what the one behind counts for.
+  struct Between {
+    int64_t before;
+    float behind;
+    Between(int64_t at, int64_t n) : before((at + n / 2) / n - 1) {
+      behind = (float(at - n / 2 - before * n) + 0.5f) / float(n);
     }
-    to[2 * width - 1] = blended[width - 1];
+  };
+
+  template <class Factor>
+  void bilinear(int64_t y, int64_t c, Factor factor, float* __restrict blended) const {
+    const int64_t n = factor, width = in.width;
+    const Between rows(y, n);
+    const float* __restrict upper = in.row(std::max<int64_t>(rows.before, 0), c);
+    const float* __restrict lower = in.row(std::min(rows.before + 1, in.height - 1), c);
+    for (int64_t x = 0; x < width; ++x) blended[x] = (1 - rows.behind) * upper[x] + rows.behind * lower[x];
+    float* __restrict to = out.row(y, c);
+    const int64_t whole = std::clamp<int64_t>((out.width - n / 2) / n, 0, width - 1);  // gaps that are
+    for (int64_t x = 0; x < whole; ++x)
+      for (int64_t i = 0; i < n; ++i) {
+        const float behind = (float(i) + 0.5f) / float(n);
+        to[n / 2 + n * x + i] = (1 - behind) * blended[x] + behind * blended[x + 1];
+      }
+    const auto border = [&](int64_t begin, int64_t end) {
+      for (int64_t x = begin; x < end; ++x) {
+        const Between columns(x, n);
+        to[x] = (1 - columns.behind) * blended[std::max<int64_t>(columns.before, 0)] +
+                columns.behind * blended[std::min(columns.before + 1, width - 1)];
+      }
+    };
+    border(0, std::min(n / 2, out.width));
+    border(std::min(n / 2 + n * whole, out.width), out.width);
   }
 };
 

@@ -23,7 +23,8 @@ NamedWeights weights_of(const Network& network) {
   return weights;
 }
 
-/// A frame of which some samples are missing, one pixel has none, and the light spans ten octaves.
+/// A frame of which some samples are missing, the first pixel and a ninth of the picture have none, and the
+/// light spans ten octaves.
 Frame uneven_frame(int width, int height, int spp) {
   Frame frame = random_frame(width, height, spp, 7);
   RandomStream random(8, RandomPurpose::test);
@@ -36,7 +37,9 @@ Frame uneven_frame(int width, int height, int spp) {
           float& value = frame.plane(s, find_feature(name).offset + c)[p];
           value = std::max(value, 0.0F);
         }
-      if (p != 0 && random.uniform(0.0F, 1.0F) > 0.2F) continue;
+      const int x = int(p) % width, y = int(p) / width;
+      const bool hole = x > width / 3 && x <= 2 * width / 3 && y > height / 3 && y <= 2 * height / 3;
+      if (p != 0 && !hole && random.uniform(0.0F, 1.0F) > 0.2F) continue;
       frame.valid_plane(s)[p] = 0;
       for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[p] = 0;
     }
@@ -68,20 +71,33 @@ float largest_difference(const Image& a, const Image& b) {
 
 /// What a failing test calls one of the configurations.
 std::string full_title(const NetworkConfig& config) {
-  return title(config) + (config.means ? ", of means" : "") +
-         (config.exposure_normalisation ? ", exposed" : "");
+  return title(config) + ", " + config.unet.upsampling + ", " + std::to_string(config.levels) + " levels" +
+         (config.means ? ", of means" : "") + (config.exposure_normalisation ? ", exposed" : "");
 }
 
-/// Of every network that has a graph.
+/// Of every network: as small_network.h has them, some with nearest upsampling, with other layers and levels,
+/// of means, and all of them exposed.
 std::vector<NetworkConfig> graph_configs() {
-  std::vector<NetworkConfig> configs;
-  for (const NetworkConfig& config : every_config())
-    for (const char* name : {"layer", "pixel_blend", "pixel_gather", "pixel_splat", "sample_splat"})
-      if (config.name == name) configs.push_back(config);
-  NetworkConfig nearest = configs[0];
-  nearest.unet.upsampling = "nearest";
-  nearest.layers = 3;
-  configs.push_back(nearest);
+  std::vector<NetworkConfig> configs = every_config();
+  for (NetworkConfig config : std::vector<NetworkConfig>(configs))
+    if (has_layers(config)) {
+      config.unet.upsampling = "nearest";
+      config.layers = 3;
+      configs.push_back(config);
+    }
+  for (NetworkConfig config : std::vector<NetworkConfig>(configs))
+    if (network_traits(config.name).has_levels)
+      for (const int64_t levels : {1, 2}) {
+        config.levels = levels;
+        configs.push_back(config);
+      }
+  for (NetworkConfig config : every_config())
+    if (network_traits(config.name).has_levels) {
+      config.unet.encoder = {{4, 5}, {6}, {5}, {4}};
+      config.unet.decoder = {{4}, {5}, {6}, {5, 4}};
+      config.levels = 5;
+      configs.push_back(config);
+    }
   for (NetworkConfig config : std::vector<NetworkConfig>(configs))
     if (works_on_pixels(config)) {
       config.means = true;

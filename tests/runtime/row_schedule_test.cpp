@@ -2,17 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "models/check_network.h"
 #include "models/graphs/network_graph.h"
 
 namespace ld {
 namespace {
 
 /// Every row of every value is made once and in order, is there when it is read, and fits where it is put.
-TEST(RowSchedule, RowsAreThereAsLongAsTheyAreRead) {
-  NetworkConfig config;
-  config.demodulation = "albedo";
-  config.rejection = true;
-  const graph::Graph graph = layer_graph(config);
+void expect_rows_to_be_there(const graph::Graph& graph) {
   std::vector<size_t> producer(graph.values.size());
   for (size_t n = 0; n < graph.nodes.size(); ++n)
     for (const graph::ValueId output : graph.nodes[n].outputs) producer[output] = n;
@@ -41,6 +40,48 @@ TEST(RowSchedule, RowsAreThereAsLongAsTheyAreRead) {
           });
       EXPECT_EQ(done, height);
     }
+}
+
+TEST(RowSchedule, RowsAreThereAsLongAsTheyAreRead) {
+  for (const std::string& name : network_names())
+    for (const char* upsampling : {"bilinear", "nearest"}) {
+      SCOPED_TRACE(name);
+      NetworkConfig config;
+      config.name = name;
+      config.demodulation = "albedo";
+      config.rejection = network_traits(name).filter == Filter::splat;
+      config.unet.upsampling = upsampling;
+      if (network_traits(name).has_levels) config.levels = 5;
+      expect_rows_to_be_there(network_graph(config));
+    }
+}
+
+/// The rows that operators read at most, said row by row.
+void expect_reach(const graph::Operator& op, int64_t height, int64_t rows,
+                  const std::function<std::pair<int64_t, int64_t>(int64_t)>& first_and_last) {
+  for (int64_t y = 0; y < rows; ++y) {
+    const auto [first, last] = first_and_last(y);
+    EXPECT_EQ(graph::rows_read_to(op, y + 1, height), std::clamp<int64_t>(last + 1, 0, height)) << y;
+    EXPECT_EQ(graph::rows_read_from(op, y, height), std::clamp<int64_t>(first, 0, height)) << y;
+  }
+}
+
+TEST(Reach, IsWhatTheOperatorsOfSeveralResolutionsRead) {
+  for (const int levels : {1, 2, 3, 6}) {
+    const double n = std::exp2(levels);
+    expect_reach(graph::Upsample{false, levels}, 5, int64_t(5 * n) - 1, [&](int64_t y) {
+      const auto row = int64_t(std::floor(double(y) / n));
+      return std::pair(row, row);
+    });
+    expect_reach(graph::Upsample{true, levels}, 5, int64_t(5 * n) - 1, [&](int64_t y) {
+      const auto row = int64_t(std::floor((double(y) + 0.5) / n - 0.5));
+      return std::pair(row, row + 1);
+    });
+  }
+  expect_reach(graph::Halve{}, 9, 5, [](int64_t y) { return std::pair(2 * y, 2 * y + 1); });
+  expect_reach(graph::Received{5}, 9, 9, [](int64_t y) { return std::pair(y - 2, y + 2); });
+  expect_reach(graph::Blur{7}, 9, 9, [](int64_t y) { return std::pair(y - 3, y + 3); });
+  expect_reach(graph::BlendLevels{}, 9, 9, [](int64_t y) { return std::pair(y, y); });
 }
 
 TEST(RowSchedule, AValueThatNobodyReadsTwiceNeedsABlock) {
