@@ -1,6 +1,5 @@
 // What a network does to a frame at inference: typed operators between values whose height, width and number
-// of samples are open. Free of LibTorch. Networks describe themselves (models/networks/*_graph.cpp); the
-// runtime runs it.
+// of samples are open. Free of LibTorch. models/graphs/ describes networks so; the runtime runs it.
 #pragma once
 
 #include <cstdint>
