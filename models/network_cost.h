@@ -14,7 +14,7 @@ namespace ld {
 ///     U-net pads to included); biases, activations, pools and upsampling do not count;
 ///   - the context features are counted as an input of every sample and layer, as the 1x1 convolutions of
 ///     [MH20] appendix B have them. The operators compute that part once a pixel, so they do fewer;
-///   - modules of a network's own filter count once a pixel;
+///   - what weighs or mixes filtered light (rejection, modulation) counts as filtering;
 ///   - a filter counts one for each tap, channel and source, the sum of weights being a channel too.
 /// A training step is three times that (the products backward with the weights and with the activations),
 /// less the gradient of the features, which nobody needs: training().
@@ -25,8 +25,7 @@ struct NetworkCost {
   double training() const { return 3 * total() - first_layer; }
 };
 
-/// Walks the modules of the network. Throws UsageError as make_network, Error for a module whose place in the
-/// network it does not know.
+/// The sum over the operators of its graph. Throws UsageError as check_network().
 NetworkCost multiply_adds(const NetworkConfig& config, int64_t spp, int64_t height, int64_t width);
 
 }  // namespace ld

@@ -85,8 +85,7 @@ int main(int argc, char** argv) {
     fprintf(stderr, "%s\n", ld_error());
     return 1;
   }
-  printf("layered_denoiser %s%s%s\n", ld_version(), ld_performance_advice()[0] != 0 ? "; " : "",
-         ld_performance_advice());
+  printf("layered_denoiser %s\n", ld_version());
 
   float* buffers[16] = {NULL};
   static float noisy[3 * HEIGHT * WIDTH], denoised[3 * HEIGHT * WIDTH];

@@ -12,18 +12,17 @@ namespace {
 GraphLayers add_partition(Graph& graph, const NetworkConfig& config, const GraphInput& input,
                           ValueId embedding, ValueId context) {
   const bool alpha = config.compositing == "alpha";
-  const ValueId logits =
-      add_fully_connected(graph, {"sample_partitioner", int64_t(config.sample_partitioner.size()) + 1},
-                          config.layers, embedding, context);
+  const ValueId logits = add_fully_connected(
+      graph, {"sample_partitioner", with_last(config.sample_partitioner, config.layers)}, embedding, context);
   const auto value = [&](const char* name, int64_t channels) {
     return graph.add_value({name, Items::layers, channels});
   };
   GraphLayers layers{};
   layers.log_n = value("log_n", 1);
   layers.radiance = value("layer_radiance", graph[input.radiance].channels);
-  const ValueId opacity = value("opacity", 1);
+  layers.opacity = value("opacity", 1);
   layers.embedding = value("layer_embedding", graph[embedding].channels);
-  std::vector<ValueId> outputs = {layers.log_n, layers.radiance, opacity, layers.embedding};
+  std::vector<ValueId> outputs = {layers.log_n, layers.radiance, layers.opacity, layers.embedding};
   if (alpha) outputs.push_back(*(layers.transmittance = value("transmittance", 1)));
   graph.nodes.push_back({graph::Partition{alpha}, {logits, input.valid, input.radiance, embedding}, outputs});
   return layers;
@@ -31,7 +30,7 @@ GraphLayers add_partition(Graph& graph, const NetworkConfig& config, const Graph
 
 }  // namespace
 
-LayeredGraph add_layers(Graph& graph, const NetworkConfig& config) {
+LayeredGraph add_layers(Graph& graph, const NetworkConfig& config, bool demodulate) {
   graph.layers = config.layers;
   LayeredGraph made{};
   GraphInput input = add_input(graph, config);
@@ -40,7 +39,7 @@ LayeredGraph add_layers(Graph& graph, const NetworkConfig& config) {
   const ValueId mean = graph.add(graph::MaskedMean{}, {embedding, input.valid},
                                  {"mean", Items::picture, graph[embedding].channels});
   made.features = add_unet_features(graph, config.unet, mean);
-  made.modulators = add_demodulation(graph, config, input);
+  if (demodulate) made.modulators = add_demodulation(graph, config, input);
   const ValueId context = made.features[0];
   made.layers = add_partition(graph, config, input, embedding, context);
   made.layers.log_n = add_rejection(graph, config, made.layers.log_n, made.layers.embedding, context);

@@ -10,7 +10,7 @@ namespace ld {
 
 /// What a filter reads of the layers.
 struct GraphLayers {
-  graph::ValueId log_n, embedding, radiance;
+  graph::ValueId log_n, embedding, radiance, opacity;
   std::optional<graph::ValueId> transmittance;  // with alpha compositing
 };
 
@@ -21,7 +21,8 @@ struct LayeredGraph {
   std::optional<graph::ValueId> modulators;
   GraphLayers layers;
 };
-LayeredGraph add_layers(graph::Graph& graph, const NetworkConfig& config);
+/// Without `demodulate` their radiance is that of the samples, whatever the network filters.
+LayeredGraph add_layers(graph::Graph& graph, const NetworkConfig& config, bool demodulate = true);
 
 /// Kernels from such a generator, at the layers' resolution, and the compositor (eq. 3 to 6;
 /// models/compositor.h).

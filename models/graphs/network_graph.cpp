@@ -1,10 +1,12 @@
 #include "models/graphs/network_graph.h"
 
 #include "core/error.h"
+#include "models/check_network.h"
 
 namespace ld {
 
 graph::Graph network_graph(const NetworkConfig& config) {
+  check_network(config);
   if (config.name == "layer") return layer_graph(config);
   if (config.name == "optimized") return optimized_graph(config);
   if (config.name == "pixel_blend" || config.name == "pixel_gather" || config.name == "pixel_splat")

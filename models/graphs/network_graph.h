@@ -6,11 +6,19 @@
 
 namespace ld {
 
-/// Of every network of models/networks.def. Throws Error for another name.
+/// Of every network of models/networks.def. Throws UsageError as check_network() does.
 graph::Graph network_graph(const NetworkConfig& config);
 
 /// [MH20] figure 2 (models/networks/layer_network.h).
 graph::Graph layer_graph(const NetworkConfig& config);
+
+/// The same network's layers, to look at. Outputs: L_l / n_l [N, 3]; what layers are filtered to [N, 5],
+/// radiance, opacity and transmittance. With the weighted compositor they are filtered to [N, 4], and a third
+/// output [N, 1] has the shares of the layers in the picture.
+graph::Graph layer_views_graph(const NetworkConfig& config);
+
+/// What the same network's kernels are generated from: log n [N, 1], embeddings [N, E], context [1, C].
+graph::Graph layer_sources_graph(const NetworkConfig& config);
 
 /// "pixel_blend", "pixel_gather" and "pixel_splat": one filter for each pixel
 /// (models/networks/pixel_network.h).

@@ -25,7 +25,7 @@ GraphLevel add_halved(Graph& graph, const GraphLevel& fine) {
     outputs.push_back(graph.add_value(std::move(value)));
   }
   graph.nodes.push_back({graph::Halve{}, std::move(inputs), outputs});
-  GraphLevel coarse = {{outputs[0], outputs[2], outputs[3], std::nullopt}, outputs[1]};
+  GraphLevel coarse = {{outputs[0], outputs[2], outputs[3], {}, std::nullopt}, outputs[1]};
   if (fine.layers.transmittance) coarse.layers.transmittance = outputs[4];
   return coarse;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "frame/schema.h"
+#include "models/check_network.h"
 
 namespace ld {
 
@@ -21,11 +22,16 @@ GraphInput add_input(Graph& graph, const NetworkConfig& config) {
   return input;
 }
 
-ValueId add_fully_connected(Graph& graph, const graph::FullyConnected& op, int64_t outputs, ValueId x,
+std::vector<int64_t> with_last(std::vector<int64_t> hidden, int64_t last) {
+  hidden.push_back(last);
+  return hidden;
+}
+
+ValueId add_fully_connected(Graph& graph, const graph::FullyConnected& op, ValueId x,
                             std::optional<ValueId> context) {
   std::vector<ValueId> inputs = {x};
   if (context) inputs.push_back(*context);
-  return graph.add(op, std::move(inputs), {op.weights, graph[x].items, outputs, graph[x].level});
+  return graph.add(op, std::move(inputs), {op.weights, graph[x].items, op.widths.back(), graph[x].level});
 }
 
 namespace {
@@ -47,9 +53,8 @@ ValueId add_block(Graph& graph, const std::string& name, const std::vector<int64
 }  // namespace
 
 ValueId add_reducer(Graph& graph, const NetworkConfig& config, ValueId features) {
-  return add_fully_connected(
-      graph, {"sample_reducer", int64_t(config.sample_reducer.size()), /*activate_last=*/true},
-      config.sample_reducer.back(), features);
+  return add_fully_connected(graph, {"sample_reducer", config.sample_reducer, /*activate_last=*/true},
+                             features);
 }
 
 std::optional<ValueId> add_demodulation(Graph& graph, const NetworkConfig& config, GraphInput& input) {
@@ -78,8 +83,10 @@ ValueId add_rejection(Graph& graph, const NetworkConfig& config, ValueId log_n, 
 }
 
 graph::Splat make_splat(const NetworkConfig& config, bool joint, int level) {
+  int64_t outputs = config.kernel_size * config.kernel_size;
+  if (level == 0 && network_traits(config.name).has_levels) outputs += config.levels;  // lambda_i
   graph::Splat splat = {
-      {"kernel_generator", int64_t(config.kernel_generator.size()) + 1, false, config.logit_bound},
+      {"kernel_generator", with_last(config.kernel_generator, outputs), false, config.logit_bound},
       config.kernel_size,
       joint};
   // As many of full resolution, as far as that is worth it: what finer levels hold waits for them.

@@ -16,8 +16,11 @@ struct GraphInput {
 GraphInput add_input(graph::Graph& graph, const NetworkConfig& config);
 
 /// x and the context -> the outputs of a fully connected network; its result has as many items as x.
-graph::ValueId add_fully_connected(graph::Graph& graph, const graph::FullyConnected& op, int64_t outputs,
-                                   graph::ValueId x, std::optional<graph::ValueId> context = std::nullopt);
+graph::ValueId add_fully_connected(graph::Graph& graph, const graph::FullyConnected& op, graph::ValueId x,
+                                   std::optional<graph::ValueId> context = std::nullopt);
+
+/// Outputs of the hidden layers and of the last one.
+std::vector<int64_t> with_last(std::vector<int64_t> hidden, int64_t last);
 
 /// A reducer's layers, the last one activated.
 graph::ValueId add_reducer(graph::Graph& graph, const NetworkConfig& config, graph::ValueId features);

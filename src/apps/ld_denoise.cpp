@@ -13,7 +13,6 @@
 #include "import/recognise.h"
 #include "import/source_plan.h"
 #include "inference/denoise_job.h"
-#include "ops/runtime.h"
 #include "weights/released.h"
 #include "weights/weight_file.h"
 
@@ -198,7 +197,8 @@ int main(int argc, char** argv) {
       "  ld_denoise 'render_*.exr' --output denoised.exr\n"
       "  ld_denoise --model out/run 'shot.####.exr' --frames 1:25 --output 'denoised.####.exr'");
   return app.run(argc, argv, [&] {
-    const ld::DenoiseJob job = job_of(options);
+    ld::DenoiseJob job = job_of(options);
+    job.threads = app.threads();
     std::vector<std::filesystem::path> outputs = {options.noisy}, to_write = {options.noisy, app.json_path()},
                                        inputs = {job.model, options.mapping, options.camera};
     for (const ld::DenoiseTask& task : job.tasks) {
@@ -210,7 +210,6 @@ int main(int argc, char** argv) {
     inputs.insert(inputs.end(), options.inputs.begin(), options.inputs.end());
     app.refuse_overwriting(outputs, inputs);
     ld::require_writable(to_write);
-    ld::configure_runtime(app.threads());
     const ld::DenoiseReport report = ld::run_denoise_job(job);
     app.write_json(report.frames);
     if (report.skipped > 0)

@@ -10,7 +10,6 @@
 #include "evaluation/results.h"
 #include "evaluation/tables.h"
 #include "inference/model_method.h"
-#include "ops/runtime.h"
 
 namespace {
 
@@ -77,9 +76,8 @@ int main(int argc, char** argv) {
     for (const auto& argument : arguments) inputs.emplace_back(argument.file);
     for (const auto& folder : folders) inputs.emplace_back(folder.file);
     app.refuse_overwriting({options.out}, inputs);
-    ld::configure_runtime(app.threads());
     std::vector<std::string> features = {"radiance"};
-    const std::vector<ld::LoadedModel> models = ld::load_models(arguments, features);
+    const std::vector<ld::LoadedModel> models = ld::load_models(arguments, app.threads(), features);
     const ld::FrameSet frames =
         ld::open_frame_set(options.data, options.split, features, options.frames_limit, options.samples);
     std::vector<ld::Method> methods;

@@ -45,13 +45,14 @@ bool time_models(const FrameSet& frames, const std::vector<LoadedModel>& models,
     for (int repeat = 0; repeat <= repeats; ++repeat)
       for (size_t m = 0; m < models.size(); ++m) {
         if (stop_requested()) return false;
-        const double ms = time_ms([&] { models[m].denoiser->denoise(frame.frame); });
+        const double ms = time_ms([&] { denoise(models[m], frame.frame); });
         if (repeat > 0) times[m].push_back(ms);  // the first warms up
       }
     for (size_t m = 0; m < models.size(); ++m) {
       TradeoffPoint& point = tradeoff.points[m];
       point.ms += median(times[m]) / double(frames.count);
-      const double peak = peak_memory_mb([&] { models[m].denoiser->denoise(frame.frame); });
+      const double peak =
+          peak_memory_mb([&] { denoise(load_model(models[m].argument, models[m].threads), frame.frame); });
       point.peak_mb = std::max(point.peak_mb, peak);
     }
     progress.advance();
@@ -72,7 +73,8 @@ std::optional<Tradeoff> measure_tradeoff(const TradeoffOptions& options) {
   if (options.models.empty() && options.images.empty())
     fail_usage("ld_bench tradeoff: nothing to measure; give --model NAME=FILE, once for each model");
   std::vector<std::string> features = {"radiance"};
-  const std::vector<LoadedModel> models = load_models(parse_model_arguments(options.models), features);
+  const std::vector<LoadedModel> models =
+      load_models(parse_model_arguments(options.models), options.threads, features);
   const FrameSet frames = open_frame_set(options.data, options.split, features, options.frames_limit);
 
   Tradeoff tradeoff;

@@ -30,7 +30,7 @@ struct TradeoffPoint {
   std::string name;
   std::vector<double> scores;  // means over the frames, in the order of metrics()
   double ms = 0;               // a frame: mean over the frames of the median of the repeats
-  double peak_mb = 0;          // above program, weights and frame, at the worst
+  double peak_mb = 0;          // above program and frame, weights included, at the worst
   std::optional<int64_t> parameters;
   std::optional<double> multiply_adds;  // a pixel
   bool other_program = false;

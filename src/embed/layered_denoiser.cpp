@@ -13,8 +13,6 @@
 #include "embed/frame_buffers.h"
 #include "inference/denoiser.h"
 #include "models/network_config.h"
-#include "ops/blas_kernels.h"
-#include "ops/runtime.h"
 
 struct LdDenoiser {
   explicit LdDenoiser(const char* weights) : denoiser(weights) {}
@@ -76,16 +74,6 @@ const char* ld_version(void) {
 
 const char* ld_error(void) {
   return last_error.c_str();
-}
-
-const char* ld_performance_advice(void) {
-  static const std::string advice = [] {
-    const std::string better = ld::better_blas_kernels();
-    if (better.empty()) return std::string();
-    return "OpenBLAS runs its " + ld::blas_kernels() +
-           " kernels on this processor; start the program with OPENBLAS_CORETYPE=" + better;
-  }();
-  return advice.c_str();
 }
 
 LdStatus ld_set_threads(int count) {
@@ -164,7 +152,7 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
   if (picture == nullptr) return refuse(LD_INVALID_ARGUMENT, "the picture to write is a null pointer");
   denoiser->callers = ld::FloatingPointSettings();
   return guarded([&] {
-    const ld::RuntimeGuard runtime(threads());
+    denoiser->options.threads = threads();
     denoiser->cancelled = false;
     const ld::Frame frame =
         denoiser->buffers.gather(denoiser->denoiser.network_config().features, denoiser->denoiser.features());

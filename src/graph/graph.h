@@ -36,8 +36,9 @@ struct Graph {
   int64_t multiple = 1;  // of which the sides of padded pictures are a multiple
   bool exposed = false;  // radiance is seen times the frame's exposure (models/exposure.h)
   std::vector<Value> values;
-  std::vector<Node> nodes;  // each behind those that it reads
-  ValueId output = 0;       // [1, 3, H, W], linear radiance
+  std::vector<Node> nodes;       // each behind those that it reads
+  ValueId output = 0;            // [1, 3, H, W], linear radiance
+  std::vector<ValueId> further;  // outputs beside it, of full resolution
 
   ValueId add_value(Value value);
   /// A node with one output.

@@ -44,7 +44,7 @@ struct ToneMapped {
 /// of the last layer's, those from `first_output` on.
 struct FullyConnected {
   std::string weights;
-  int64_t depth = 1;
+  std::vector<int64_t> widths;  // outputs of its layers
   bool activate_last = false;
   double bound = 0;
   int64_t first_output = 0;
@@ -138,10 +138,13 @@ struct Modulate {
   std::string weights;
 };
 
+/// -> [N, N]: item l is 1 in channel l, else 0; whose splat tells how much of a pixel comes from layer l.
+struct LayerIdentity {};
+
 using Operator =
     std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped, FullyConnected,
                  Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
-                 Reject, Splat, Gather, Blur, Mix, Composite, Modulate>;
+                 Reject, Splat, Gather, Blur, Mix, Composite, Modulate, LayerIdentity>;
 
 /// Rows of an input that an operator reads for its rows [begin, end): up to rows_read_to(end), and of the
 /// rows before rows_read_from(begin) none any more once all rows before `begin` are made. Both within [0,

@@ -57,6 +57,7 @@ class Run {
  public:
   explicit Run(const DenoiseJob& job)
       : job_(job), denoiser_(job.model), progress_("denoising", int64_t(job.tasks.size()) * kSteps) {
+    how_.threads = job.threads;
     how_.max_memory_bytes = job.max_memory_bytes;
     how_.cancel = stop_requested;
     how_.progress = [this](double share) { advance_to(int64_t(share * kSteps)); };
@@ -169,8 +170,9 @@ class Run {
   std::vector<PicturePart> parts_of(const Frame& frame) const {
     std::vector<PicturePart> parts;
     if (job_.layers || job_.contributions || job_.unfiltered) {
-      const std::vector<LayerPicture> layers =
-          denoiser_.layers(frame, {how_.max_memory_bytes, nullptr, how_.cancel});
+      DenoiseOptions how = how_;
+      how.progress = nullptr;  // the picture is what takes long
+      const std::vector<LayerPicture> layers = denoiser_.layers(frame, how);
       for (size_t l = 0; l < layers.size(); ++l) {
         const std::string name = fmt::format("layer{}", l);
         const LayerPicture& layer = layers[l];

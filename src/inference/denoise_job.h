@@ -17,6 +17,7 @@ struct DenoiseJob {
   std::filesystem::path model;
   std::vector<DenoiseTask> tasks;
   RenderInput render;
+  int threads = 0;               // 0: default_threads()
   int64_t max_memory_bytes = 0;  // 0: no limit
   int samples = 0;               // the first so many of each frame; 0: all
   bool skip_existing = false;    // pictures that are there are left alone

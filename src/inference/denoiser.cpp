@@ -2,19 +2,19 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
-#include "dataset/input_tensors.h"
-#include "models/networks/layer_network.h"
-#include "models/row_strips.h"
-#include "ops/memory_pool.h"
-#include "weights/model_file.h"
+#include "core/threads.h"
+#include "inference/layer_views.h"
+#include "models/graphs/network_graph.h"
+#include "runtime/executor.h"
+#include "weights/network_weights.h"
 
 namespace ld {
 namespace {
 
-constexpr int64_t kSmallestStrip = int64_t(1) << 20;  // strips cannot get smaller than a few rows anyway
-constexpr int64_t kThreads = int64_t(48) << 20;       // stacks, OpenBLAS, oneDNN, the operators' scratch
+constexpr int64_t kThreads = int64_t(16) << 20;  // stacks, and what operators need for a stretch of a row
 
 int64_t resident_bytes() {
   std::ifstream statm("/proc/self/statm");
@@ -31,111 +31,119 @@ int64_t megabytes(int64_t bytes) {
   return (bytes + (1 << 20) - 1) >> 20;
 }
 
-/// What the process takes for a frame when strips have this many bytes, without the frame; `base` is what it
-/// takes already. The pool keeps up to an eighth more than is in use.
-int64_t needed(const Network& network, int64_t base, int64_t strip, int width, int height, int spp) {
-  const StripBytes bytes(strip);
-  return base + kThreads + network.memory_bytes(spp, height, width) * 9 / 8;
+PictureExtent extent_of(const Frame& frame) {
+  if (frame.spp == 0 || frame.width == 0 || frame.height == 0)
+    fail("a frame of {}x{} pixels at {} samples; expected at least one sample and pixel", frame.width,
+         frame.height, frame.spp);
+  return {frame.spp, frame.height, frame.width};
 }
 
-/// The largest strips that the budget allows.
-int64_t strip_for(const Network& network, int64_t budget, const Frame& frame) {
-  const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0);
-  int64_t strip = kStripBytes;
-  while (needed(network, base, strip, frame.width, frame.height, frame.spp) > budget) {
-    if (strip <= kSmallestStrip)
-      fail_usage(
-          "a memory budget of {} MB is too small for {}x{} pixels at {} samples (beside the frame itself); "
-          "the "
-          "smallest is {} MB, of which program and weights take {}",
-          budget >> 20, frame.width, frame.height, frame.spp,
-          megabytes(needed(network, base, kSmallestStrip, frame.width, frame.height, frame.spp)),
-          megabytes(base + kThreads));
-    strip = std::max(kSmallestStrip, strip * 4 / 5);
-  }
-  return strip;
+/// The progress function of the options, which may end it.
+Execution::Progress progress_of(const DenoiseOptions& options) {
+  if (!options.progress && !options.cancel) return {};
+  return [&options](double share) {
+    if (options.cancel && options.cancel()) throw Cancelled();
+    if (options.progress) options.progress(share);
+  };
 }
 
-/// The scope in which a network runs under the options.
-class Run {
- public:
-  Run(const Network& network, const Frame& frame, const DenoiseOptions& options)
-      : options_(options), strip_(budgeted_strip(network, frame, options)), progress_([this](double share) {
-          if (options_.cancel && options_.cancel()) throw Cancelled();
-          if (options_.progress) options_.progress(share);
-        }) {}
-
- private:
-  static int64_t budgeted_strip(const Network& network, const Frame& frame, const DenoiseOptions& options) {
-    if (options.max_memory_bytes <= 0) return StripBytes::current();
-    release_memory_pool();  // what earlier frames left may have other sizes
-    return strip_for(network, options.max_memory_bytes, frame);
-  }
-
-  const torch::InferenceMode no_graph_;
-  const DenoiseOptions options_;  // a copy: the caller's may be a temporary
-  StripBytes strip_;
-  StripProgress progress_;
-};
-
-LayerNetwork& layer_network(Network& network) {
-  auto* const layer = dynamic_cast<LayerNetwork*>(&network);
-  if (layer == nullptr)
-    fail_usage("the model's network is '{}', which has no layers to look at; expected 'layer'",
-               network.config().name);
-  return *layer;
+int threads_of(const DenoiseOptions& options) {
+  return options.threads > 0 ? options.threads : default_threads();
 }
 
 }  // namespace
 
-Denoiser::Denoiser(const std::filesystem::path& model)
-    : network_(load_model(model)), required_(network_->config().required_features()) {
-  network_->eval();
+struct Denoiser::State {
+  NetworkWeights network;
+  // What the last frame ran with.
+  std::unique_ptr<Execution> execution;
+  int threads = 0;
+  int64_t budget = 0;
+
+  std::unique_ptr<Execution> plan(const graph::Graph& graph, const PictureExtent& picture, int used_threads,
+                                  int64_t block = 0) const {
+    return std::make_unique<Execution>(graph, network.weights, picture,
+                                       ExecutionOptions{used_threads, block});
+  }
+
+  /// With as many rows at a time as the budget allows.
+  std::unique_ptr<Execution> plan(const graph::Graph& graph, const Frame& frame,
+                                  const DenoiseOptions& options) const {
+    const PictureExtent picture = extent_of(frame);
+    auto made = plan(graph, picture, threads_of(options));
+    if (options.max_memory_bytes <= 0) return made;
+    const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0) + kThreads;
+    while (base + made->memory_bytes() > options.max_memory_bytes) {
+      const int64_t block = made->block_rows();
+      if (block == 1)
+        fail_usage(
+            "a memory budget of {} MB is too small for {}x{} pixels at {} samples (beside the frame "
+            "itself); the smallest is {} MB, of which program and weights take {}",
+            options.max_memory_bytes >> 20, frame.width, frame.height, frame.spp,
+            megabytes(base + made->memory_bytes()), megabytes(base));
+      made.reset();
+      made = plan(graph, picture, threads_of(options), block / 2);
+    }
+    return made;
+  }
+
+  Execution& execution_for(const Frame& frame, const DenoiseOptions& options) {
+    const PictureExtent picture = extent_of(frame);
+    const bool fits = execution && execution->picture() == picture && threads == threads_of(options) &&
+                      budget == options.max_memory_bytes;
+    if (!fits) {
+      execution.reset();
+      execution = plan(network.graph, frame, options);
+      threads = threads_of(options);
+      budget = options.max_memory_bytes;
+    }
+    return *execution;
+  }
+
+  /// For what only a network with layers has.
+  void expect_layers() const {
+    if (network.config.name != "layer")
+      fail_usage("the model's network is '{}', which has no layers to look at; expected 'layer'",
+                 network.config.name);
+  }
+};
+
+Denoiser::Denoiser(const std::filesystem::path& model) : state_(std::make_unique<State>()) {
+  state_->network = read_network(model);
+  required_ = state_->network.config.required_features();
 }
 
 Denoiser::~Denoiser() = default;
 
 const NetworkConfig& Denoiser::network_config() const {
-  return network_->config();
+  return state_->network.config;
 }
 
 Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options) const {
-  const FrameInput input(frame, network_config().features);
-  const Run run(*network_, frame, options);
-  return to_image(network_->forward(input).squeeze(0));
+  Execution& execution = state_->execution_for(frame, options);
+  return std::move(execution.run(frame, progress_of(options))[0]);
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {
-  return needed(*network_, resident_bytes(), kSmallestStrip, width, height, spp);
+  const auto least = state_->plan(state_->network.graph, {spp, height, width}, default_threads(), 1);
+  return resident_bytes() + kThreads + least->memory_bytes();
 }
 
 std::vector<LayerPicture> Denoiser::layers(const Frame& frame, const DenoiseOptions& options) const {
-  LayerNetwork& network = layer_network(*network_);
-  const FrameInput input(frame, network_config().features);
-  const Run run(*network_, frame, options);
-  const LayerPictures pictures = network.layers(input);
-  std::vector<LayerPicture> layers;
-  for (int64_t l = 0; l < pictures.radiance.size(1); ++l) {
-    const torch::Tensor radiance = pictures.radiance[0][l], alpha = pictures.opacity[0][l],
-                        weight = pictures.weight[0][l];
-    const torch::Tensor contribution = weight * radiance / alpha.masked_fill(alpha.eq(0), 1);
-    layers.push_back({to_image(pictures.unfiltered_radiance[0][l]), to_image(radiance), to_image(alpha),
-                      to_image(weight), to_image(contribution)});
-  }
-  return layers;
+  state_->expect_layers();
+  state_->execution.reset();  // both at a time are more than a budget is meant for
+  const graph::Graph graph = layer_views_graph(network_config());
+  return layer_pictures(network_config(),
+                        state_->plan(graph, frame, options)->run(frame, progress_of(options)));
 }
 
 std::vector<Image> Denoiser::kernels_at(const Frame& frame, int x, int y) const {
-  LayerNetwork& network = layer_network(*network_);
+  state_->expect_layers();
   if (x < 0 || y < 0 || x >= frame.width || y >= frame.height)
     fail_usage("there is no pixel ({}, {}) in a frame of {}x{}", x, y, frame.width, frame.height);
-  const FrameInput input(frame, network_config().features);
-  const Run run(*network_, frame, {});
-  const torch::Tensor kernels = network.kernels_at(input, x, y)[0];  // [N, K*K]
-  const int64_t side = network.config().kernel_size;
-  std::vector<Image> images;
-  for (int64_t l = 0; l < kernels.size(0); ++l) images.push_back(to_image(kernels[l].view({1, side, side})));
-  return images;
+  const graph::Graph graph = layer_sources_graph(network_config());
+  return layer_kernels(network_config(), state_->network.weights, *state_->plan(graph, frame, {}), frame, x,
+                       y);
 }
 
 }  // namespace ld

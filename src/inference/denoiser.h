@@ -1,4 +1,4 @@
-// The separate inference program's engine: weights in, frames in, images out. No trainer, no autograd graph.
+// The separate inference program's engine: weights in, frames in, images out. Free of LibTorch.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,13 @@
 
 namespace ld {
 
-class Network;
 struct NetworkConfig;
 
-/// How a frame is denoised; nothing here changes a bit of the result but where max_memory_bytes says so.
+/// How a frame is denoised; nothing here changes a bit of the result.
 struct DenoiseOptions {
+  int threads = 0;  // 0: default_threads()
   /// What the process may take while it denoises, the frame itself aside: program, libraries, weights and
-  /// everything that is computed. 0: no limit. The result does not depend on it but for rounding (1e-5
-  /// relative).
+  /// everything that is computed. 0: no limit.
   int64_t max_memory_bytes = 0;
   /// Called from the calling thread with the share that is done, 0 to 1, a few dozen times a frame.
   std::function<void(double)> progress;
@@ -34,8 +33,10 @@ class Cancelled : public Error {
   Cancelled() : Error("cancelled") {}
 };
 
-/// A layer of a layered network, for looking ([MH20] figure 3 and 8; models/networks/layer_network.h has the
-/// terms).
+/// A layer of a layered network, for looking ([MH20] figure 3 and 8). Radiance is premultiplied: L_l / n_l is
+/// what the layer adds to a picture in which nothing lies in front of it, its colour times its opacity. With
+/// the weighted compositor n_l is w_l, the opacity 1 and the radiance the colour. With demodulation, the
+/// layers are those of the radiance as it is.
 struct LayerPicture {
   Image unfiltered;    // L_l / n_l [3, H, W]
   Image radiance;      // filtered L_l over filtered n_l, eq. 4 [3, H, W]: premultiplied with alpha
@@ -58,10 +59,10 @@ class Denoiser {
   const NetworkConfig& network_config() const;
 
   /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. The frame has
-  /// been sanitised (read_frame and import_frame do) and has a depth scale. Its samples are encoded strip by
-  /// strip as the network reads them: no second copy of them is made. Throws Error for a frame without
-  /// samples and for a budget that is too small, naming the smallest that will do; Cancelled. Not for several
-  /// threads at once.
+  /// been sanitised (read_frame and import_frame do) and has a depth scale. Its samples are encoded row by
+  /// row as the network reads them: no second copy of them is made. What was planned for a frame is kept for
+  /// the next of its size. Throws Error for a frame without samples and for a budget that is too small,
+  /// naming the smallest that will do; Cancelled. Not for several threads at once.
   Image denoise(const Frame& frame, const DenoiseOptions& options = {}) const;
 
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
@@ -76,7 +77,8 @@ class Denoiser {
   std::vector<Image> kernels_at(const Frame& frame, int x, int y) const;
 
  private:
-  std::shared_ptr<Network> network_;
+  struct State;
+  std::unique_ptr<State> state_;
   std::vector<std::string> required_;
 };
 

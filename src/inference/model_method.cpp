@@ -7,11 +7,15 @@
 
 namespace ld {
 
-std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments,
+LoadedModel load_model(const ModelArgument& argument, int threads) {
+  return {argument, std::make_shared<const Denoiser>(argument.file), threads};
+}
+
+std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments, int threads,
                                      std::vector<std::string>& features) {
   std::vector<LoadedModel> models;
   for (const ModelArgument& argument : arguments) {
-    models.push_back({argument, std::make_shared<const Denoiser>(argument.file)});
+    models.push_back(load_model(argument, threads));
     for (const std::string& feature : models.back().denoiser->features())
       if (std::find(features.begin(), features.end(), feature) == features.end()) features.push_back(feature);
   }
@@ -28,10 +32,15 @@ MethodCost cost_of(const LoadedModel& model, const Frame& frame) {
   return {parameters, cost.total() / static_cast<double>(frame.plane_size())};
 }
 
+Image denoise(const LoadedModel& model, const Frame& frame) {
+  DenoiseOptions options;
+  options.threads = model.threads;
+  return model.denoiser->denoise(frame, options);
+}
+
 Method method_of(const LoadedModel& model, const MethodCost& cost) {
-  const std::shared_ptr<const Denoiser> denoiser = model.denoiser;
-  return {model.argument.name,
-          [denoiser](const Frame& frame, SequenceState&) { return denoiser->denoise(frame); }, cost};
+  return {model.argument.name, [model](const Frame& frame, SequenceState&) { return denoise(model, frame); },
+          cost};
 }
 
 }  // namespace ld

@@ -13,12 +13,17 @@ namespace ld {
 struct LoadedModel {
   ModelArgument argument;
   std::shared_ptr<const Denoiser> denoiser;
+  int threads = 0;  // that it runs on
 };
+
+LoadedModel load_model(const ModelArgument& argument, int threads);
 
 /// `features` receives every feature that one of the models needs and that it does not hold yet. Throws Error
 /// as Denoiser does.
-std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments,
+std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments, int threads,
                                      std::vector<std::string>& features);
+
+Image denoise(const LoadedModel& model, const Frame& frame);
 
 /// The model's parameters, and its multiply-adds a pixel (models/network_cost.h) for a frame of this size and
 /// number of samples.

@@ -5,16 +5,23 @@
 
 #include "core/error.h"
 #include "ops/kernels/constants.h"
+#include "runtime/arena.h"
+#include "runtime/denormals.h"
 #include "runtime/frame_exposure.h"
 #include "runtime/parallel.h"
 #include "runtime/step.h"
 
 namespace ld {
+
+using graph::ValueId;
+
 namespace {
 
 // Above this the sums of filters could overflow (ops/finite_sources.h): demodulated radiance is up to 50
 // times as large.
 constexpr float kLargestRadiance = 1e32f / 50;
+
+constexpr double kProgressSteps = 64;
 
 float largest_radiance(const Frame& frame, int threads) {
   std::vector<float> largest(size_t(frame.spp) * 3, 0.0f);
@@ -41,31 +48,63 @@ std::unique_ptr<Step> make_step(const graph::Node& node, StepContext& context) {
 }
 
 struct Execution::State {
+  int64_t block;
   StepContext context;
   RowSchedule schedule;
-  Floats arena;
-  int64_t arena_floats = 0;
+  int64_t arena_floats;
+  Arena arena;
   std::vector<std::unique_ptr<Step>> steps;
+  std::vector<ValueId> outputs;
+  std::vector<double> row_work;  // of each node, a row of its output
+  double work = 0;
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
         const ExecutionOptions& options)
-      : context{graph, weights, picture, std::max(options.threads, 1), {}},
-        schedule(
-            graph, picture,
-            options.block_rows > 0 ? options.block_rows : default_block(options.threads, picture.width)) {
-    for (graph::ValueId id = 0; id < graph.values.size(); ++id) {
-      const ValueExtent extent = extent_of(graph, id, picture);
-      context.windows.emplace_back(extent.planes, extent.width, extent.height, schedule.capacity(id));
-      arena_floats += padded(context.windows.back().floats());
-    }
-    arena = hwy::AllocateAligned<float>(size_t(arena_floats));
-    std::fill_n(arena.get(), arena_floats, 0.0f);
-    float* next = arena.get();
+      : block(options.block_rows > 0 ? options.block_rows : default_block(options.threads, picture.width)),
+        context{graph, weights, picture, std::max(options.threads, 1), {}},
+        schedule(graph, picture, block),
+        arena_floats(make_windows()),
+        arena(arena_floats),
+        outputs(graph.further) {
+    float* next = arena.begin();
     for (RowWindow& window : context.windows) {
       window.memory = next;
-      next += padded(window.floats());
+      next += Arena::round_up(window.floats());
     }
-    for (const graph::Node& node : graph.nodes) steps.push_back(make_step(node, context));
+    for (const graph::Node& node : graph.nodes) {
+      steps.push_back(make_step(node, context));
+      const ValueExtent extent = extent_of(graph, node.outputs[0], picture);
+      const graph::NodeCost cost = cost_of(graph, node, picture);
+      // What is moved counts for a few multiply-adds.
+      const double rows = double(extent.height);
+      row_work.push_back((cost.weights + cost.taps) / rows + 4 * double(extent.planes * extent.width));
+      work += row_work.back() * rows;
+    }
+    outputs.insert(outputs.begin(), graph.output);
+  }
+
+  /// Floats of all windows.
+  int64_t make_windows() {
+    int64_t floats = 0;
+    for (ValueId id = 0; id < context.graph.values.size(); ++id) {
+      const ValueExtent extent = extent_of(context.graph, id, context.picture);
+      context.windows.emplace_back(extent.planes, extent.width, extent.height, schedule.capacity(id));
+      floats += Arena::round_up(context.windows.back().floats());
+    }
+    return floats;
+  }
+
+  void begin(const Frame& frame) {
+    const PictureExtent& picture = context.picture;
+    if (frame.width != picture.width || frame.height != picture.height || frame.spp != picture.samples)
+      fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", frame.width, frame.height,
+           frame.spp, picture.width, picture.height, picture.samples);
+    if (!(frame.info.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
+    context.frame = &frame;
+    context.value_scale =
+        largest_radiance(frame, context.threads) > kLargestRadiance ? float(kOverflowScale) : 1.0f;
+    if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
+    for (const auto& step : steps) step->start();
   }
 };
 
@@ -75,31 +114,56 @@ Execution::Execution(const graph::Graph& graph, const NamedWeights& weights, con
 
 Execution::~Execution() = default;
 
+const PictureExtent& Execution::picture() const {
+  return state_->context.picture;
+}
+
+int64_t Execution::block_rows() const {
+  return state_->block;
+}
+
 int64_t Execution::arena_bytes() const {
   return state_->arena_floats * int64_t(sizeof(float));
 }
 
-Image Execution::run(const Frame& frame) {
-  StepContext& context = state_->context;
-  if (frame.width != context.picture.width || frame.height != context.picture.height ||
-      frame.spp != context.picture.samples)
-    fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", frame.width, frame.height, frame.spp,
-         context.picture.width, context.picture.height, context.picture.samples);
-  if (!(frame.info.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
-  context.frame = &frame;
-  context.value_scale =
-      largest_radiance(frame, context.threads) > kLargestRadiance ? float(kOverflowScale) : 1.0f;
-  if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
-  for (const auto& step : state_->steps) step->start();
-  Image picture(frame.width, frame.height, 3);
-  const RowWindow& result = context.windows[context.graph.output];
+int64_t Execution::memory_bytes() const {
+  int64_t bytes = arena_bytes();
+  for (const auto& step : state_->steps) bytes += step->scratch_bytes(state_->block);
+  return bytes;
+}
+
+const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
+  return state_->context.windows[state_->outputs[output]].row(y, plane);
+}
+
+void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows) {
+  const FlushedDenormals flushed(state_->context.threads);
+  state_->begin(frame);
+  double done = 0, told = 0;
   state_->schedule.walk(
-      [&](size_t node, int64_t begin, int64_t end) { state_->steps[node]->run(begin, end); },
-      [&](int64_t begin, int64_t end) {
-        for (int64_t y = begin; y < end; ++y)
-          for (int c = 0; c < 3; ++c) std::copy_n(result.row(y, c), frame.width, &picture.at(c, 0, int(y)));
-      });
-  return picture;
+      [&](size_t node, int64_t begin, int64_t end) {
+        state_->steps[node]->run(begin, end);
+        done += double(end - begin) * state_->row_work[node];
+        const double share = std::min(done / state_->work, 1.0);
+        if (!progress || share - told < 1 / kProgressSteps) return;
+        told = share;
+        progress(share);
+      },
+      rows);
+  if (progress && told < 1) progress(1);
+}
+
+std::vector<Image> Execution::run(const Frame& frame, const Progress& progress) {
+  std::vector<Image> images;
+  for (const ValueId output : state_->outputs)
+    images.emplace_back(frame.width, frame.height, int(state_->context.windows[output].planes));
+  run(frame, progress, [&](int64_t begin, int64_t end) {
+    for (size_t i = 0; i < images.size(); ++i)
+      for (int64_t y = begin; y < end; ++y)
+        for (int c = 0; c < images[i].channels; ++c)
+          std::copy_n(row(i, c, y), frame.width, &images[i].at(c, 0, int(y)));
+  });
+  return images;
 }
 
 }  // namespace ld

@@ -1,34 +1,52 @@
 // Runs the graph of a network on frames. Free of LibTorch.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "frame/frame.h"
 #include "graph/graph.h"
-#include "runtime/named_weights.h"
 #include "runtime/row_schedule.h"
+#include "weights/named_weights.h"
 
 namespace ld {
 
+/// Nothing here changes a bit of the result.
 struct ExecutionOptions {
   int threads = 1;
-  int64_t block_rows =
-      0;  // rows of full resolution that are made at a time; 0: as suits the threads. Changes no bit.
+  int64_t block_rows = 0;  // rows of full resolution that are made at a time; 0: as suits the threads
 };
 
 /// The plan of a graph for frames of one size: the order of its steps and one arena for all of their rows.
-/// Weights and graph must outlive it.
+/// Graph and weights must outlive it. Not for several threads at once.
 class Execution {
  public:
   Execution(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
             const ExecutionOptions& options = {});
   ~Execution();
 
-  /// The denoised picture [3, H, W] of a frame of that size, which has been sanitised and has a depth scale.
-  Image run(const Frame& frame);
+  const PictureExtent& picture() const;
+  int64_t block_rows() const;
 
-  /// Of the arena: all rows of all values that exist at a time.
+  /// Called in the calling thread with the share of the work that is done, some dozens of times a frame, the
+  /// last time with 1; may throw to end it, which leaves nothing behind.
+  using Progress = std::function<void(double)>;
+  /// Rows [begin, end) of all outputs are there: row(output, plane, y).
+  using Rows = std::function<void(int64_t begin, int64_t end)>;
+
+  /// All outputs of the graph, the denoised picture [3, H, W] first. The frame has that size, has been
+  /// sanitised and has a depth scale.
+  std::vector<Image> run(const Frame& frame, const Progress& progress = {});
+  /// The same, without keeping what `rows` does not keep.
+  void run(const Frame& frame, const Progress& progress, const Rows& rows);
+  /// Of the outputs' rows that are there: number `output`, the graph's own first.
+  const float* row(size_t output, int64_t plane, int64_t y) const;
+
+  /// All rows of all values that exist at a time.
   int64_t arena_bytes() const;
+  /// All that run() works in: the arena and what steps need besides, nothing of which is resident before.
+  int64_t memory_bytes() const;
 
  private:
   struct State;

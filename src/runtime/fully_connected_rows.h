@@ -3,16 +3,16 @@
 
 #include "graph/operators.h"
 #include "ops/kernels/tile_network.h"
-#include "runtime/named_weights.h"
+#include "weights/named_weights.h"
 
 namespace ld {
 
-/// Of `depth` layers named <weights>.0, <weights>.1, ..., whose first reads x_inputs channels and then those
+/// Of layers named <weights>.0, <weights>.1, ..., whose first reads x_inputs channels and then those
 /// that all items of a pixel share.
 inline TileNetwork tile_network(const graph::FullyConnected& op, const NamedWeights& weights,
                                 int64_t x_inputs, int64_t outputs) {
   std::vector<TileNetwork::Layer> layers;
-  for (int64_t i = 0; i < op.depth; ++i) {
+  for (size_t i = 0; i < op.widths.size(); ++i) {
     const std::string name = op.weights + "." + std::to_string(i);
     const NamedWeight& weight = weights.at(name + ".weight");
     layers.push_back(

@@ -5,29 +5,15 @@
 namespace ld {
 
 using graph::Graph;
-using graph::Items;
 using graph::Node;
-using graph::Value;
 using graph::ValueId;
-
-ValueExtent extent_of(const Graph& graph, ValueId id, const PictureExtent& picture) {
-  const Value& value = graph[id];
-  const auto side = [&](int64_t n) {
-    if (value.padded) n = (n + graph.multiple - 1) / graph.multiple * graph.multiple;
-    const int64_t scale = int64_t(1) << value.level;
-    return (n + scale - 1) / scale;
-  };
-  const int64_t items = value.items == Items::samples  ? picture.samples
-                        : value.items == Items::layers ? graph.layers
-                                                       : 1;
-  return {items * value.channels, side(picture.height), side(picture.width)};
-}
 
 /// How far everything has come.
 struct RowSchedule::Walk {
   const RowSchedule& schedule;
   const Run& run;
   std::vector<int64_t> made;  // rows of each node
+  int64_t handed_out = 0;     // rows of the outputs
 
   Walk(const RowSchedule& s, const Run& r) : schedule(s), run(r), made(s.graph_.nodes.size(), 0) {}
 
@@ -37,7 +23,20 @@ struct RowSchedule::Walk {
     for (const size_t consumer : schedule.consumers_[id])
       first = std::min(first, graph::rows_read_from(schedule.graph_.nodes[consumer].op, made[consumer],
                                                     schedule.extents_[id].height));
+    if (std::count(schedule.outputs_.begin(), schedule.outputs_.end(), id) > 0)
+      first = std::min(first, handed_out);
     return first;
+  }
+
+  /// The next block of all outputs; false when there are no more.
+  bool advance_outputs(const Done& done) {
+    const int64_t height = schedule.extents_[schedule.outputs_[0]].height;
+    if (handed_out >= height) return false;
+    const int64_t end = std::min(handed_out + schedule.block_, height);
+    for (const ValueId output : schedule.outputs_) advance(schedule.producer_[output], end);
+    done(handed_out, end);
+    handed_out = end;
+    return true;
   }
 
   /// Makes rows of a node until there are `end`.
@@ -61,10 +60,13 @@ struct RowSchedule::Walk {
 RowSchedule::RowSchedule(const Graph& graph, const PictureExtent& picture, int64_t block)
     : graph_(graph),
       block_(block),
+      outputs_(graph.further),
       producer_(graph.values.size()),
       consumers_(graph.values.size()),
       capacity_(graph.values.size(), 0) {
-  for (ValueId id = 0; id < graph.values.size(); ++id) extents_.push_back(extent_of(graph, id, picture));
+  outputs_.insert(outputs_.begin(), graph.output);
+  for (ValueId id = 0; id < graph.values.size(); ++id)
+    extents_.push_back(graph::extent_of(graph, id, picture));
   for (size_t n = 0; n < graph.nodes.size(); ++n) {
     for (const ValueId output : graph.nodes[n].outputs) producer_[output] = n;
     for (const ValueId input : graph.nodes[n].inputs) consumers_[input].push_back(n);
@@ -78,8 +80,8 @@ RowSchedule::RowSchedule(const Graph& graph, const PictureExtent& picture, int64
   };
   Walk walk(*this, look);
   at = &walk;
-  for (int64_t end = block; walk.made[producer_[graph.output]] < extents_[graph.output].height; end += block)
-    walk.advance(producer_[graph.output], end);
+  while (walk.advance_outputs([](int64_t, int64_t) {})) {
+  }
 }
 
 std::vector<size_t> RowSchedule::eager_readers(size_t node) const {
@@ -104,11 +106,7 @@ std::vector<size_t> RowSchedule::eager_readers(size_t node) const {
 
 void RowSchedule::walk(const Run& run, const Done& done) const {
   Walk walk(*this, run);
-  const size_t last = producer_[graph_.output];
-  const int64_t height = extents_[graph_.output].height;
-  for (int64_t begin = 0; begin < height; begin = walk.made[last]) {
-    walk.advance(last, std::min(begin + block_, height));
-    done(begin, walk.made[last]);
+  while (walk.advance_outputs(done)) {
   }
 }
 

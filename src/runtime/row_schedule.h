@@ -4,20 +4,12 @@
 #include <functional>
 #include <vector>
 
-#include "graph/graph.h"
+#include "graph/extent.h"
 
 namespace ld {
 
-/// Of a frame.
-struct PictureExtent {
-  int64_t samples = 0, height = 0, width = 0;
-};
-
-/// Height, width and planes of a value for such a frame.
-struct ValueExtent {
-  int64_t planes, height, width;
-};
-ValueExtent extent_of(const graph::Graph& graph, graph::ValueId id, const PictureExtent& picture);
+using graph::PictureExtent;
+using graph::ValueExtent;
 
 /// Every row of every value is made once, when something is to read it, and forgotten when nothing will any
 /// more. So no result depends on how many rows are made at a time. A node that reads what one other node puts
@@ -31,7 +23,7 @@ class RowSchedule {
   int64_t capacity(graph::ValueId id) const { return capacity_[id]; }
 
   /// run(node, begin, end) makes those rows of what the node puts out. Calls done(begin, end) whenever rows
-  /// of the graph's output are there.
+  /// of all outputs of the graph are there.
   using Run = std::function<void(size_t node, int64_t begin, int64_t end)>;
   using Done = std::function<void(int64_t begin, int64_t end)>;
   void walk(const Run& run, const Done& done) const;
@@ -42,6 +34,7 @@ class RowSchedule {
 
   const graph::Graph& graph_;
   int64_t block_;
+  std::vector<graph::ValueId> outputs_;
   std::vector<ValueExtent> extents_;
   std::vector<size_t> producer_;                // of each value
   std::vector<std::vector<size_t>> consumers_;  // of each value

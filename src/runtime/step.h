@@ -6,9 +6,9 @@
 
 #include "frame/frame.h"
 #include "graph/graph.h"
-#include "runtime/named_weights.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
+#include "weights/named_weights.h"
 
 namespace ld {
 
@@ -19,6 +19,9 @@ class Step {
   virtual void run(int64_t begin, int64_t end) = 0;
   /// Before row 0 of a frame.
   virtual void start() {}
+  /// What run() needs besides the windows when it makes so many rows at a time; nothing that is as small as a
+  /// stretch of a row.
+  virtual int64_t scratch_bytes(int64_t /*rows*/) const { return 0; }
 };
 
 /// What steps work in. It outlives them.
@@ -67,5 +70,7 @@ std::unique_ptr<Step> make_step(const graph::Blur& op, const graph::Node& node, 
 std::unique_ptr<Step> make_step(const graph::Mix& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Composite& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::LayerIdentity& op, const graph::Node& node,
+                                StepContext& context);
 
 }  // namespace ld

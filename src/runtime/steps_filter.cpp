@@ -38,6 +38,13 @@ class SplatStep : public Step {
     next_ = 0;
   }
 
+  int64_t scratch_bytes(int64_t rows) const override {
+    const int64_t strips = (rows + 2 * shape_.radius()) / op_.rows + 2,
+                  most = (shape_.height + op_.rows - 1) / op_.rows;
+    const SplatStrip one(shape_, op_.joint, 0, std::min(op_.rows, shape_.height));
+    return std::min(strips, most) * one.floats() * int64_t(sizeof(float));
+  }
+
   void run(int64_t begin, int64_t end) override {
     add_strips((std::min(end + shape_.radius(), shape_.height) + op_.rows - 1) / op_.rows);
     std::vector<SplatStrip*> strips;

@@ -31,6 +31,7 @@ class GatheringStep : public Step {
   }
 
   void start() override { filled_ = 0; }
+  int64_t scratch_bytes(int64_t) const override { return sources_.floats() * int64_t(sizeof(float)); }
 
   void run(int64_t begin, int64_t end) override {
     for (const int64_t last = std::min(end + shape_.radius(), shape_.height); filled_ < last; ++filled_)

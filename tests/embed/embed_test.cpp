@@ -15,7 +15,6 @@
 
 #include "inference/denoiser.h"
 #include "layered_denoiser/layered_denoiser.hpp"
-#include "ops/runtime.h"
 #include "tests/support/random_frame.h"
 
 namespace ld {
@@ -36,8 +35,9 @@ std::vector<float> samples_of(const Frame& frame, const std::string& name) {
 
 /// What the library must give: it promises the bits of the class that it wraps for as many threads, here one.
 std::vector<float> expected_picture(const std::filesystem::path& weights, const Frame& frame) {
-  const RuntimeGuard one(1);
-  return Denoiser(weights).denoise(frame).pixels;
+  DenoiseOptions one;
+  one.threads = 1;
+  return Denoiser(weights).denoise(frame, one).pixels;
 }
 
 class Embed : public ::testing::Test {

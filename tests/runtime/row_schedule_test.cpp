@@ -26,7 +26,7 @@ void expect_rows_to_be_there(const graph::Graph& graph) {
             const graph::Node& node = graph.nodes[index];
             EXPECT_EQ(begin, made[index]);
             for (const graph::ValueId input : node.inputs) {
-              const int64_t rows = extent_of(graph, input, picture).height;
+              const int64_t rows = graph::extent_of(graph, input, picture).height;
               EXPECT_LE(graph::rows_read_to(node.op, end, rows), made[producer[input]]) << graph[input].name;
               EXPECT_GE(graph::rows_read_from(node.op, begin, rows),
                         made[producer[input]] - schedule.capacity(input))

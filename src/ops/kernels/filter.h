@@ -47,6 +47,7 @@ class StagedRows {
   const float* row(int64_t index) const { return memory_.get() + index * pitch_ + margin_; }
   int64_t pitch() const { return pitch_; }
   int64_t rows() const { return rows_; }
+  int64_t floats() const { return rows_ * pitch_; }
 
   /// Sets what is behind pixel `count` of every row, up to where its margin begins.
   void fill_behind(int64_t count, float outside) {

@@ -14,6 +14,7 @@ class GatherSources {
   GatherSources(const FilterShape& shape, int64_t capacity);
   const float* row(int64_t y) const { return rows_.row(y % capacity_ * planes_); }
   int64_t pitch() const { return rows_.pitch(); }
+  int64_t floats() const { return rows_.floats(); }
   /// Row y from log n and all channels there.
   void fill_row(const FilterShape& shape, PlanarRow log_n, PlanarRow values, int64_t y) {
     copy(shape, log_n, y, 0, 1);

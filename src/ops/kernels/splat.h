@@ -25,6 +25,7 @@ class SplatStrip {
     return rows_.row(((joint_ ? 0 : layer) * (end_ - begin_) + y - begin_) * planes_);
   }
   int64_t pitch() const { return rows_.pitch(); }
+  int64_t floats() const { return rows_.floats(); }
 
  private:
   int64_t begin_, end_, planes_;

@@ -56,10 +56,6 @@ LD_API const char* ld_version(void);
  * Stays valid until this thread's next call. */
 LD_API const char* ld_error(void);
 
-/* A line of advice when the matrix library under LibTorch runs slower than this processor can, "" otherwise:
- * OpenBLAS reads OPENBLAS_CORETYPE when it is loaded, so only whoever starts the program can set it. */
-LD_API const char* ld_performance_advice(void);
-
 /* Threads of all denoisers of this process from the next call on; 0: the CPUs that it may use (the default).
  */
 LD_API LdStatus ld_set_threads(int threads);

@@ -17,7 +17,7 @@ struct NamedWeight {
 class NamedWeights {
  public:
   NamedWeights() = default;
-  /// All tensors of a file. Throws Error for one that holds no floats.
+  /// All tensors of a file. Throws Error for one that holds no floats, or one that is not finite.
   explicit NamedWeights(const SafetensorsFile& file);
 
   void add(const std::string& name, NamedWeight weight) { weights_[name] = std::move(weight); }

@@ -1,8 +1,9 @@
-#include "runtime/named_weights.h"
+#include "weights/named_weights.h"
 
 #include <half.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "core/error.h"
@@ -39,8 +40,12 @@ std::vector<float> as_floats(const TensorView& tensor, const std::string& file) 
 }  // namespace
 
 NamedWeights::NamedWeights(const SafetensorsFile& file) {
-  for (const TensorView& tensor : file.tensors())
-    weights_[tensor.name] = {tensor.shape, as_floats(tensor, file.path().string())};
+  for (const TensorView& tensor : file.tensors()) {
+    NamedWeight& weight = weights_[tensor.name] = {tensor.shape, as_floats(tensor, file.path().string())};
+    if (!std::all_of(weight.values.begin(), weight.values.end(), [](float v) { return std::isfinite(v); }))
+      fail("{}: tensor '{}' holds NaN or infinity; the training diverged or the file is damaged",
+           file.path().string(), tensor.name);
+  }
 }
 
 const NamedWeight& NamedWeights::at(const std::string& name) const {

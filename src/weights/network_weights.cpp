@@ -1,0 +1,67 @@
+#include "weights/network_weights.h"
+
+#include <fmt/ranges.h>
+
+#include <numeric>
+#include <set>
+
+#include "core/error.h"
+#include "graph/extent.h"
+#include "models/graphs/network_graph.h"
+#include "weights/checkpoint_files.h"
+#include "weights/weight_file.h"
+
+namespace ld {
+namespace {
+
+graph::Graph graph_of(const SafetensorsFile& file, const NetworkConfig& config) {
+  try {
+    return network_graph(config);
+  } catch (const UsageError& error) {  // nobody typed this network: the file is wrong
+    fail("{}: metadata: network: {}", file.path().string(), error.what());
+  }
+}
+
+int64_t count_of(const std::vector<int64_t>& shape) {
+  return std::accumulate(shape.begin(), shape.end(), int64_t(1), std::multiplies<>());
+}
+
+void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
+                       const std::vector<graph::Parameter>& parameters) {
+  int64_t held = 0, expected = 0;
+  for (const TensorView& tensor : file.tensors()) held += count_of(tensor.shape);
+  for (const graph::Parameter& parameter : parameters) expected += count_of(parameter.shape);
+  if (held != expected)
+    fail("{}: holds {} numbers, but the network of its metadata ('{}') has {}; the file is damaged",
+         file.path().string(), held, config.name, expected);
+  std::set<std::string> names;
+  for (const graph::Parameter& parameter : parameters) {
+    const TensorView& stored = file.tensor(parameter.name);
+    if (stored.shape != parameter.shape)
+      fail("{}: tensor '{}' has the shape [{}]; its network config needs [{}]; the file is damaged",
+           file.path().string(), parameter.name, fmt::join(stored.shape, ", "),
+           fmt::join(parameter.shape, ", "));
+    names.insert(parameter.name);
+  }
+  for (const TensorView& tensor : file.tensors())
+    if (names.count(tensor.name) == 0)
+      fail("{}: holds a tensor '{}' that its network config has no place for; the file is damaged",
+           file.path().string(), tensor.name);
+}
+
+}  // namespace
+
+NetworkWeights read_network(const std::filesystem::path& model) {
+  const std::filesystem::path path = resolve_model(model);
+  if (exists(path.parent_path() / "checksums.json") && path.filename() == kCheckpointFiles[0])
+    verify_checkpoint_file(path.parent_path(), kCheckpointFiles[0]);
+  const SafetensorsFile file(path);
+  NetworkWeights network;
+  network.config = read_weights_header(file).network;
+  network.graph = graph_of(file, network.config);
+  expect_parameters(file, network.config, graph::parameters(network.graph));
+  network.weights = NamedWeights(file);
+  return network;
+}
+
+}  // namespace ld
