@@ -46,7 +46,7 @@ ValueId add_blend(Graph& graph, const NetworkConfig& config, const GraphPixels& 
   value.name = "blurred";
   const ValueId blurred =
       graph.add(graph::Blur{config.kernel_size}, {pixels.log_n, pixels.radiance}, std::move(value));
-  const ValueId logit = add_fully_connected(graph, {"blend"}, 1, pixels.embedding, pixels.context);
+  const ValueId logit = add_fully_connected(graph, {"blend", {1}}, pixels.embedding, pixels.context);
   return graph.add(graph::Mix{}, {logit, pixels.drawn, pixels.radiance, blurred}, filtered);
 }
 
