@@ -6,7 +6,7 @@ namespace ld {
 
 const PictureFormats& picture_formats() {
   static const auto* const formats = static_cast<const PictureFormats*>(
-      load_module("ld_picture_formats", "reads pictures other than EXR and draws text",
+      load_module("ld_picture_formats", "reads textures and draws text",
                   "install the program again, or build all of it (cmake --build --preset release)"));
   return *formats;
 }

@@ -1,4 +1,4 @@
-// Pictures in other formats than OpenEXR, and text as pixels: what OpenImageIO does. It is in a module
+// Pictures of all formats, for textures, and text as pixels: what OpenImageIO does. It is in a module
 // (core/module.h), picture_formats_module.cpp.
 #pragma once
 

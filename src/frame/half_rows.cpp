@@ -1,4 +1,4 @@
-#include "dataset/half_rows.h"
+#include "frame/half_rows.h"
 
 #include <Imath/half.h>
 
@@ -7,7 +7,7 @@
 #include "frame/half_range.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "dataset/half_rows.cpp"
+#define HWY_TARGET_INCLUDE "frame/half_rows.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
