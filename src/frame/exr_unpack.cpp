@@ -11,7 +11,6 @@
 #include "core/error.h"
 #include "frame/exr_reader.h"
 #include "frame/half_rows.h"
-#include "frame/zip_rows.h"
 
 namespace ld {
 namespace {
