@@ -40,7 +40,7 @@ TEST(Links, TheInferenceProgramHoldsNoTrainerAndNoLoss) {
 
 /// Programs start at once: what loads many libraries is in modules (core/module.h).
 TEST(Links, ProgramsWithoutLibTorchLoadFewLibraries) {
-  for (const char* program : {"ld_import", "ld_inspect", "ld_render"}) {
+  for (const char* program : {"ld_denoise", "ld_eval", "ld_import", "ld_inspect", "ld_render"}) {
     const std::string libraries = said(std::string("ldd " LD_BIN_DIR "/") + program);
     EXPECT_NE(libraries.find("libOpenEXR"), std::string::npos) << libraries;
     EXPECT_LT(std::count(libraries.begin(), libraries.end(), '\n'), 40) << program << "\n" << libraries;
