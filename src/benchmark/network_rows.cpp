@@ -2,7 +2,7 @@
 #include "frame/schema.h"
 #include "losses/loss.h"
 #include "models/initialise.h"
-#include "models/network_cost.h"
+#include "models/graphs/network_cost.h"
 #include "training/run/config_file.h"
 
 namespace ld {

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/text_table.h"
-#include "models/network_cost.h"
+#include "models/graphs/network_cost.h"
 #include "models/sample_partitioner.h"
 #include "models/sample_reducer.h"
 #include "models/unet.h"

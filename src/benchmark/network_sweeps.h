@@ -20,7 +20,7 @@ struct SampleTime {
 std::vector<SampleTime> time_by_samples(const BenchSizes& sizes, const std::vector<int64_t>& spp,
                                         int repeats);
 
-/// Multiply-adds a pixel of a network (models/network_cost.h) at each number of samples.
+/// Multiply-adds a pixel of a network (models/graphs/network_cost.h) at each number of samples.
 struct NetworkCosts {
   std::string network;
   std::vector<double> per_pixel;

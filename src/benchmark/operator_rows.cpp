@@ -1,6 +1,6 @@
 #include "benchmark/workloads.h"
 #include "frame/schema.h"
-#include "models/network_cost.h"
+#include "models/graphs/network_cost.h"
 #include "models/sample_partitioner.h"
 #include "models/sample_reducer.h"
 #include "ops/kernel_gather.h"

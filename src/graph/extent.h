@@ -30,7 +30,7 @@ std::vector<Parameter> parameters(const Graph& graph);
 std::vector<Parameter> parameters(const Graph& graph, const Node& node);
 
 /// What a node multiplies and adds for one frame: with its weights, and with the taps of its kernels
-/// (models/network_cost.h has the rules).
+/// (models/graphs/network_cost.h has the rules).
 struct NodeCost {
   double weights = 0, taps = 0;
 };

@@ -12,7 +12,8 @@ struct ReadTo {
   int64_t operator()(const Op&) const {
     return end;
   }
-  int64_t operator()(const Convolution&) const { return end + 1; }
+  /// Rows are made in pairs (ops/kernels/winograd.h).
+  int64_t operator()(const Convolution&) const { return (end + 1) / 2 * 2 + 1; }
   int64_t operator()(const MaxPool&) const { return 2 * end; }
   int64_t operator()(const Halve&) const { return 2 * end; }
   int64_t operator()(const Received& op) const { return end + op.kernel / 2; }
@@ -39,7 +40,7 @@ struct ReadFrom {
   }
   /// The last row is there again for those that are padded to.
   int64_t operator()(const Pad&) const { return std::min(begin, height - 1); }
-  int64_t operator()(const Convolution&) const { return begin - 1; }
+  int64_t operator()(const Convolution&) const { return begin / 2 * 2 - 1; }
   int64_t operator()(const MaxPool&) const { return 2 * begin; }
   int64_t operator()(const Halve&) const { return 2 * begin; }
   int64_t operator()(const Received& op) const { return begin - op.kernel / 2; }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "models/network_cost.h"
+#include "models/graphs/network_cost.h"
 #include "weights/weight_file.h"
 
 namespace ld {

@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "ops/kernels/convolution.h"
+#include "ops/kernels/winograd.h"
 #include "runtime/row_step.h"
 
 namespace ld {
@@ -14,55 +15,113 @@ void clear_tail(const RowWindow& window, int64_t y) {
     std::fill(window.row(y, c) + window.width, window.row(y, c) + padded(window.width), 0.0f);
 }
 
-class ConvolutionStep : public Step {
+/// What both ways to a convolution share: where its inputs lie.
+class ConvolutionInputs {
  public:
-  ConvolutionStep(const graph::Convolution& op, const graph::Node& node, StepContext& context)
-      : op_(op),
-        context_(context),
-        out_(context.output(node)),
-        weights_(packed(op, context, out_.planes)),
-        zeros_(size_t(padded(out_.width) + 2 * kPixelStep), 0.0f) {
-    for (size_t i = 0; i < node.inputs.size(); ++i) inputs_.push_back(context.input(node, i));
+  ConvolutionInputs(const graph::Node& node, const StepContext& context)
+      : zeros_(size_t(padded(context.output(node).width) + 5 * kPixelStep), 0.0f) {
+    for (size_t i = 0; i < node.inputs.size(); ++i) windows_.push_back(context.input(node, i));
   }
 
+  /// Rows [y, y + N) of each, zeros beyond the border.
+  template <class Source>
+  std::vector<Source> sources(int64_t y) const {
+    std::vector<Source> made;
+    for (const RowWindow& in : windows_) {
+      Source source;
+      source.channels = in.planes;
+      for (size_t i = 0; i < source.rows.size(); ++i) {
+        const int64_t row = y + int64_t(i);
+        source.rows[i] =
+            row < 0 || row >= in.height ? PlanarRow{zeros_.data() + kPixelStep, 0} : in.planar(row);
+      }
+      made.push_back(source);
+    }
+    return made;
+  }
+
+ private:
+  std::vector<RowWindow> windows_;
+  std::vector<float> zeros_;
+};
+
+/// The weights of a convolution, packed.
+template <class Packed>
+Packed packed_weights(const graph::Convolution& op, const StepContext& context) {
+  const NamedWeight& weight = context.weights.at(op.weights + ".weight");
+  return {weight.values.data(), context.weights.at(op.weights + ".bias").values.data(), weight.shape[0],
+          weight.shape[1]};
+}
+
+class DirectConvolutionStep : public Step {
+ public:
+  DirectConvolutionStep(const graph::Convolution& op, const graph::Node& node, StepContext& context)
+      : op_(op),
+        context_(context),
+        inputs_(node, context),
+        out_(context.output(node)),
+        weights_(packed_weights<PackedConvolution>(op, context)) {}
+
   void run(int64_t begin, int64_t end) override {
-    const int64_t width = padded(out_.width);
-    for_each_stretch(
-        context_.threads, begin, end, width, kStretch, [&](int64_t y, int64_t x, int64_t count, int) {
-          ConvolutionRow row;
-          row.weights = &weights_;
-          for (const RowWindow& in : inputs_)
-            row.sources.push_back({{row_of(in, y - 1), row_of(in, y), row_of(in, y + 1)}, in.planes});
-          row.out = out_.row(y);
-          row.out_pitch = out_.pitch;
-          row.begin = x;
-          row.end = x + count;
-          row.width = out_.width;
-          row.activated = op_.activated;
-          convolve(row);
-        });
+    for_each_stretch(context_.threads, begin, end, padded(out_.width), kStretch,
+                     [&](int64_t y, int64_t x, int64_t count, int) {
+                       convolve({&weights_, inputs_.sources<ConvolutionSource>(y - 1), out_.row(y),
+                                 out_.pitch, x, x + count, out_.width, op_.activated});
+                     });
   }
 
  private:
   static constexpr int64_t kStretch = 480;  // pixels: whole blocks of every vector width
 
-  static PackedConvolution packed(const graph::Convolution& op, const StepContext& context, int64_t outputs) {
-    const NamedWeight& weight = context.weights.at(op.weights + ".weight");
-    return {weight.values.data(), context.weights.at(op.weights + ".bias").values.data(), outputs,
-            weight.shape[1]};
-  }
-
-  PlanarRow row_of(const RowWindow& in, int64_t y) const {
-    if (y < 0 || y >= in.height) return {zeros_.data() + kPixelStep, 0};
-    return in.planar(y);
-  }
-
   graph::Convolution op_;
   StepContext& context_;
-  std::vector<RowWindow> inputs_;
+  ConvolutionInputs inputs_;
   RowWindow out_;
   PackedConvolution weights_;
-  std::vector<float> zeros_;  // beyond the border
+};
+
+/// In pairs of rows, an even one first, whatever rows are asked for.
+class WinogradStep : public Step {
+ public:
+  WinogradStep(const graph::Convolution& op, const graph::Node& node, StepContext& context)
+      : op_(op),
+        context_(context),
+        inputs_(node, context),
+        out_(context.output(node)),
+        weights_(packed_weights<WinogradWeights>(op, context)) {
+    for (int t = 0; t < context.threads; ++t) scratch_.emplace_back(weights_);
+  }
+
+  int64_t scratch_bytes(int64_t) const override {
+    return context_.threads * WinogradScratch::floats(weights_) * int64_t(sizeof(float));
+  }
+
+  void run(int64_t begin, int64_t end) override {
+    for_each_stretch(context_.threads, begin / 2, (end + 1) / 2, padded(out_.width), kWinogradPixels,
+                     [&](int64_t pair, int64_t x, int64_t count, int thread) {
+                       const int64_t y = 2 * pair;
+                       const auto row = [&](int64_t at) {
+                         return at >= begin && at < end ? out_.row(at) : nullptr;
+                       };
+                       convolve(WinogradRows{&weights_,
+                                             inputs_.sources<WinogradSource>(y - 1),
+                                             {row(y), row(y + 1)},
+                                             out_.pitch,
+                                             x,
+                                             x + count,
+                                             out_.width,
+                                             op_.activated},
+                                scratch_[size_t(thread)]);
+                     });
+  }
+
+ private:
+  graph::Convolution op_;
+  StepContext& context_;
+  ConvolutionInputs inputs_;
+  RowWindow out_;
+  WinogradWeights weights_;
+  std::vector<WinogradScratch> scratch_;
 };
 
 /// Of Upsample, as LibTorch's, corners not aligned: between the centres of two coarse pixels lie those of n
@@ -137,7 +196,10 @@ std::unique_ptr<Step> make_step(const graph::Pad&, const graph::Node& node, Step
   });
 }
 std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node& node, StepContext& context) {
-  return std::make_unique<ConvolutionStep>(op, node, context);
+  // Tiles are made 16 at a time: of narrow pictures most would be beyond the border.
+  constexpr int64_t kNarrow = 24;
+  if (context.output(node).width < kNarrow) return std::make_unique<DirectConvolutionStep>(op, node, context);
+  return std::make_unique<WinogradStep>(op, node, context);
 }
 std::unique_ptr<Step> make_step(const graph::MaxPool&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);

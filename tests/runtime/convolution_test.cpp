@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "ops/kernels/instruction_sets.h"
+#include "ops/kernels/winograd.h"
 #include "runtime/row_window.h"
 
 namespace ld {
@@ -49,42 +50,92 @@ double plain(const std::vector<const Picture*>& pictures, const std::vector<floa
   return sum;
 }
 
+/// Both pictures, the weights of a convolution over their channels, and what it must come to.
+struct Case {
+  Picture first, second;
+  std::vector<float> weights, biases;
+  std::vector<float> zeros;
+
+  Case(int64_t width, int64_t height, int64_t outputs)
+      : first(2, width, height, 1),
+        second(3, width, height, 2),
+        weights(random_floats(outputs * 5 * 9, 4)),
+        biases(random_floats(outputs, 5)),
+        zeros(size_t(padded(width) + 5 * kPixelStep), 0.0F) {}
+
+  /// The sources of rows [y, y + N).
+  template <class Source>
+  std::vector<Source> sources(int64_t y) const {
+    std::vector<Source> made;
+    for (const Picture* p : {&first, &second}) {
+      Source source;
+      source.channels = p->window.planes;
+      for (size_t i = 0; i < source.rows.size(); ++i) {
+        const int64_t v = y + int64_t(i);
+        source.rows[i] =
+            v < 0 || v >= p->window.height ? PlanarRow{zeros.data() + kPixelStep, 0} : p->window.planar(v);
+      }
+      made.push_back(source);
+    }
+    return made;
+  }
+
+  /// Leaky, with zeros behind the last pixel.
+  void expect(const Picture& result, double tolerance, const std::string& where) const {
+    const RowWindow& window = result.window;
+    for (int64_t y = 0; y < window.height; ++y)
+      for (int64_t o = 0; o < window.planes; ++o) {
+        for (int64_t x = 0; x < window.width; ++x) {
+          const double sum = plain({&first, &second}, weights, 5, o, y, x, biases[size_t(o)]);
+          ASSERT_NEAR(window.row(y, o)[x], sum > 0 ? sum : kLeakySlope * sum, tolerance)
+              << where << ", width " << window.width << ", output " << o << ", pixel " << x << ", " << y;
+        }
+        for (int64_t x = window.width; x < padded(window.width); ++x) EXPECT_EQ(window.row(y, o)[x], 0.0F);
+      }
+  }
+};
+
 TEST(Convolution, IsThePlainSumAtEverySizeOnEveryInstructionSet) {
   for (const std::string& set : instruction_sets()) {
     use_instruction_set(set);
     for (const int64_t width : {1, 2, 15, 16, 17, 50, 97})
       for (const int64_t outputs : {1, 3, 8, 13}) {
-        const int64_t height = 3;
-        const Picture first(2, width, height, 1), second(3, width, height, 2);
-        Picture result(outputs, width, height, 3);
-        const std::vector<float> weights = random_floats(outputs * 5 * 9, 4),
-                                 biases = random_floats(outputs, 5);
-        const PackedConvolution packed(weights.data(), biases.data(), outputs, 5);
-        const std::vector<float> zeros(size_t(padded(width) + 2 * kPixelStep), 0.0F);
-        for (int64_t y = 0; y < height; ++y) {
-          const auto row_of = [&](const Picture& p, int64_t v) {
-            return v < 0 || v >= height ? PlanarRow{zeros.data() + kPixelStep, 0} : p.window.planar(v);
-          };
-          ConvolutionRow row;
-          row.weights = &packed;
-          for (const Picture* p : {&first, &second})
-            row.sources.push_back({{row_of(*p, y - 1), row_of(*p, y), row_of(*p, y + 1)}, p->window.planes});
-          row.out = result.window.row(y);
-          row.out_pitch = result.window.pitch;
-          row.end = padded(width);
-          row.width = width;
-          row.activated = true;
-          convolve(row);
-          for (int64_t o = 0; o < outputs; ++o) {
-            for (int64_t x = 0; x < width; ++x) {
-              const double sum = plain({&first, &second}, weights, 5, o, y, x, biases[size_t(o)]);
-              EXPECT_NEAR(result.window.row(y, o)[x], sum > 0 ? sum : kLeakySlope * sum, 2e-6)
-                  << set << ", width " << width << ", output " << o << ", pixel " << x << ", " << y;
-            }
-            for (int64_t x = width; x < padded(width); ++x) EXPECT_EQ(result.window.row(y, o)[x], 0.0F);
-          }
-        }
+        const Case given(width, 3, outputs);
+        const PackedConvolution packed(given.weights.data(), given.biases.data(), outputs, 5);
+        Picture result(outputs, width, 3, 3);
+        for (int64_t y = 0; y < 3; ++y)
+          convolve({&packed, given.sources<ConvolutionSource>(y - 1), result.window.row(y),
+                    result.window.pitch, 0, padded(width), width, true});
+        given.expect(result, 2e-6, set);
       }
+  }
+  use_instruction_set("");
+}
+
+TEST(Convolution, ByTilesIsThePlainSumToo) {
+  for (const std::string& set : instruction_sets()) {
+    use_instruction_set(set);
+    for (const int64_t width : {1, 2, 15, 16, 31, 50, 96, 97, 200})
+      for (const int64_t outputs : {1, 3, 13})
+        for (const int64_t height : {1, 2, 5}) {
+          const Case given(width, height, outputs);
+          const WinogradWeights weights(given.weights.data(), given.biases.data(), outputs, 5);
+          WinogradScratch scratch(weights);
+          Picture result(outputs, width, height, 3);
+          for (int64_t y = 0; y < height; y += 2)
+            for (int64_t x = 0; x < padded(width); x += kWinogradPixels)
+              convolve(
+                  WinogradRows{&weights,
+                               given.sources<WinogradSource>(y - 1),
+                               {result.window.row(y), y + 1 < height ? result.window.row(y + 1) : nullptr},
+                               result.window.pitch,
+                               x,
+                               std::min(x + kWinogradPixels, padded(width)),
+                               width,
+                               true},
+                  scratch);
+          given.expect(result, 4e-6, set);
+        }
   }
   use_instruction_set("");
 }

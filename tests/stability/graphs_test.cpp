@@ -34,7 +34,7 @@ void make_constant(Frame& frame, float radiance) {
     }
 }
 
-bool all_finite(const Image& image) {
+bool finite_picture(const Image& image) {
   return std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); });
 }
 
@@ -48,7 +48,7 @@ TEST(Graphs, PicturesStayFiniteAtEveryExtreme) {
           for (int c = in_guides ? 3 : 0; c < (in_guides ? kSampleChannels : 3); ++c)
             if ((i * 7 + size_t(c)) % 5 == 0) frame.plane(int(i) % 3, c)[i] = number;
         sanitise(frame);
-        EXPECT_TRUE(all_finite(in_runtime(config, weights, frame)))
+        EXPECT_TRUE(finite_picture(in_runtime(config, weights, frame)))
             << title(config) << fmt::format(": {:g} in ", number) << (in_guides ? "guides" : "radiance");
       }
   }

@@ -1,4 +1,4 @@
-#include "models/network_cost.h"
+#include "models/graphs/network_cost.h"
 
 #include <variant>
 
