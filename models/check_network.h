@@ -12,8 +12,8 @@ namespace ld {
 enum class Sources { layers, samples, pixels };
 
 /// What a kernel does: weighs what its source sends, so that a source can be rejected, or what its pixel
-/// receives. Networks without generated kernels do something of their own: they have no ONNX form, and
-/// modules of names that the others have not, which work once a pixel.
+/// receives. Networks without generated kernels do something of their own, with modules of names that the
+/// others have not, which work once a pixel.
 enum class Filter { splat, gather, own };
 
 /// What all that know networks from outside need to know of one: checks, costs, exports.

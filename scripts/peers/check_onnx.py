@@ -21,8 +21,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 import denoise_onnx  # noqa: E402
 
 ALLOWED = 1e-4
-CONFIGS = ["quick", "quick_layer_weighted", "quick_optimized", "quick_pixel_gather", "quick_pixel_splat",
-           "quick_sample_splat"]
+CONFIGS = ["quick", "quick_layer_weighted", "quick_optimized", "quick_pixel_blend", "quick_pixel_gather",
+           "quick_pixel_splat", "quick_sample_splat"]
 TYPES = {"F32": np.float32}
 
 

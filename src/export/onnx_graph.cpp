@@ -1,7 +1,5 @@
 #include "export/onnx_graph.h"
 
-#include <cstring>
-
 #include "core/error.h"
 
 namespace ld {
@@ -109,27 +107,26 @@ void OnnxGraph::initializer(const std::string& name, TensorProto::DataType type,
   tensor.set_raw_data(data, bytes);
 }
 
-Value OnnxGraph::number(float value) {
-  uint32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  Value& constant = constants_["f" + std::to_string(bits)];
-  if (constant.name.empty()) {
-    constant.name = "constant_" + std::to_string(constants_.size());
-    initializer(constant.name, TensorProto::FLOAT, {}, &value, sizeof value);
+Value OnnxGraph::constant(TensorProto::DataType type, const std::vector<int64_t>& sizes, const void* data,
+                          size_t bytes) {
+  std::string key = std::to_string(type);
+  for (const int64_t size : sizes) key += " " + std::to_string(size);
+  key += ":" + std::string(static_cast<const char*>(data), bytes);
+  Value& known = constants_[key];
+  if (known.name.empty()) {
+    known.name = "constant_" + std::to_string(constants_.size());
+    initializer(known.name, type, sizes, data, bytes);
   }
-  return constant;
+  return known;
+}
+
+Value OnnxGraph::numbers(const std::vector<float>& values, const std::vector<int64_t>& sizes) {
+  return constant(TensorProto::FLOAT, sizes, values.data(), values.size() * sizeof(float));
 }
 
 Value OnnxGraph::whole(const std::vector<int64_t>& values) {
-  std::string key = "i";
-  for (const int64_t value : values) key += std::to_string(value) + " ";
-  Value& constant = constants_[key];
-  if (constant.name.empty()) {
-    constant.name = "constant_" + std::to_string(constants_.size());
-    initializer(constant.name, TensorProto::INT64, {int64_t(values.size())}, values.data(),
-                values.size() * sizeof(int64_t));
-  }
-  return constant;
+  return constant(TensorProto::INT64, {int64_t(values.size())}, values.data(),
+                  values.size() * sizeof(int64_t));
 }
 
 Value OnnxGraph::dims(const std::vector<Dim>& sizes) {
@@ -155,17 +152,13 @@ Value OnnxGraph::size_of(const Value& value, int64_t axis) {
   return op("Shape", {value}, {{"start", axis}, {"end", axis + 1}});
 }
 
-const std::vector<int64_t>& OnnxGraph::parameter_shape(const std::string& name) const {
-  const auto weight = weights_.find(name);
-  if (weight == weights_.end()) fail("the network has no weight '{}' for its ONNX form", name);
-  return weight->second.shape;
-}
-
 Value OnnxGraph::parameter(const std::string& name) {
-  std::vector<int64_t> sizes = parameter_shape(name);
+  const auto found = weights_.find(name);
+  if (found == weights_.end()) fail("the network has no weight '{}' for its ONNX form", name);
   Value& value = parameters_[name];
   if (!value.name.empty()) return value;
-  const TensorView& weight = weights_.at(name);
+  const TensorView& weight = found->second;
+  std::vector<int64_t> sizes = weight.shape;
   if (sizes.size() == 2) sizes.insert(sizes.end(), {1, 1});
   const bool half = weight.type == DType::f16;
   initializer(name, half ? TensorProto::FLOAT16 : TensorProto::FLOAT, sizes, weight.data, weight.bytes);

@@ -43,7 +43,7 @@ class OnnxGraph {
   /// `weights`, float32 or float16, become initializers of the same names when parameter() asks for them.
   explicit OnnxGraph(const std::vector<TensorView>& weights);
 
-  /// Prefix of the names of the nodes to come, "unet/encoder0": what viewers show.
+  /// Prefix of the names of the nodes to come, "unet/encoder0/0": what viewers show.
   void enter(std::string scope) { scope_ = std::move(scope); }
 
   // What goes in and out, float32; a size is a number or the name of one that is known when the model runs.
@@ -56,14 +56,14 @@ class OnnxGraph {
   std::vector<Value> ops(const std::string& type, const std::vector<Value>& inputs, size_t outputs,
                          const std::vector<Attribute>& attributes = {});
 
-  Value number(float value);                        // a constant float32 scalar
+  Value number(float value) { return numbers({value}, {}); }  // a constant float32 scalar
+  Value numbers(const std::vector<float>& values, const std::vector<int64_t>& sizes);
   Value whole(const std::vector<int64_t>& values);  // a constant list of int64
   Value dims(const std::vector<Dim>& sizes);        // int64 [n]
   Value size_of(const Value& value, int64_t axis);  // int64 [1]
   /// A weight; matrices [outputs, inputs] come as the 1x1 convolutions [outputs, inputs, 1, 1] that they are.
+  /// Throws Error when there is none of that name.
   Value parameter(const std::string& name);
-  /// The sizes of a weight as the weight file has them. Throws Error when there is none of that name.
-  const std::vector<int64_t>& parameter_shape(const std::string& name) const;
 
   // Arithmetic with broadcasting.
   Value add(const Value& a, const Value& b) { return op("Add", {a, b}); }
@@ -73,6 +73,8 @@ class OnnxGraph {
   Value exp(const Value& x) { return op("Exp", {x}); }
   Value log(const Value& x) { return op("Log", {x}); }
   Value max(const Value& a, const Value& b) { return op("Max", {a, b}); }
+  Value min(const Value& a, const Value& b) { return op("Min", {a, b}); }
+  Value clip(const Value& x, float least, float most) { return op("Clip", {x, number(least), number(most)}); }
   Value where(const Value& condition, const Value& a, const Value& b) {
     return op("Where", {condition, a, b});
   }
@@ -103,6 +105,8 @@ class OnnxGraph {
 
  private:
   std::string new_name(const std::string& type);
+  Value constant(onnx::TensorProto::DataType type, const std::vector<int64_t>& sizes, const void* data,
+                 size_t bytes);
   void initializer(const std::string& name, onnx::TensorProto::DataType type,
                    const std::vector<int64_t>& sizes, const void* data, size_t bytes);
 
@@ -110,7 +114,7 @@ class OnnxGraph {
   onnx::GraphProto& graph_;
   std::map<std::string, TensorView> weights_;
   std::map<std::string, Value> parameters_;
-  std::map<std::string, Value> constants_, known_;  // by value; by operator, inputs and attributes
+  std::map<std::string, Value> constants_, known_;  // by sizes and bytes; by operator, inputs and attributes
   std::string scope_;
   int64_t count_ = 0;
 };

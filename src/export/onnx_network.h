@@ -1,10 +1,11 @@
-// Whole networks (models/) as ONNX models: one function for each file there.
+// Whole networks as ONNX models: their graphs (models/graphs/), node by node. Free of LibTorch.
 #pragma once
 
 #include <onnx/onnx_pb.h>
 
 #include <vector>
 
+#include "graph/graph.h"
 #include "models/network_config.h"
 #include "weights/safetensors.h"
 
@@ -13,7 +14,10 @@ namespace ld {
 /// The network with these weights (float32 or float16), names as in the weight file. Inputs, all float32:
 /// features [B, S, F, H, W] encoded as frame/schema.h says, radiance [B, S, 3, H, W] linear, valid
 /// [B, S, 1, H, W]; output image [B, 3, H, W]; any B, S, H and W from 1. What the input may hold is as for
-/// Network::forward. Throws Error for a network that has no ONNX form or lacks a weight.
+/// Network::forward. Throws Error when a weight is missing or is none of the network's.
 onnx::ModelProto onnx_model(const NetworkConfig& config, const std::vector<TensorView>& weights);
+
+/// The same of any graph whose first node encodes a frame.
+onnx::ModelProto onnx_model(const graph::Graph& network, const std::vector<TensorView>& weights);
 
 }  // namespace ld

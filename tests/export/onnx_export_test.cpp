@@ -18,20 +18,11 @@ namespace {
 
 using torch::Tensor;
 
-/// every_config() of the networks that have an ONNX form.
-std::vector<NetworkConfig> onnx_configs() {
-  std::vector<NetworkConfig> configs = every_config();
-  configs.erase(std::remove_if(configs.begin(), configs.end(),
-                               [](const NetworkConfig& config) { return !generates_kernels(config); }),
-                configs.end());
-  return configs;
-}
-
-/// Of each of them: as small_config(), with nearest upsampling, with more layers and larger
+/// Of every_config(): as it is, with nearest upsampling, with more layers and larger
 /// kernels, with one tap, with exposure normalisation, of means.
 std::vector<NetworkConfig> exported_configs() {
   std::vector<NetworkConfig> configs;
-  for (NetworkConfig config : onnx_configs()) {
+  for (NetworkConfig config : every_config()) {
     configs.push_back(config);
     config.kernel_size = 7;
     config.unet.upsampling = "nearest";
@@ -80,24 +71,15 @@ TEST_F(OnnxExportTest, EveryNetworkAtEverySizeComputesWhatItDoesInCpp) {
     EXPECT_LT(report_.graph.largest_relative_difference, 1e-4) << title(config);
     EXPECT_EQ(report_.weights.largest_relative_difference, 0);
     const std::vector<std::vector<int64_t>> sizes = {
-        {1, 1, 1, 1}, {1, 1, 5, 3}, {2, 3, 16, 16}, {1, 4, 13, 21}};
+        {1, 1, 1, 1}, {1, 1, 5, 3}, {2, 3, 16, 16}, {1, 4, 13, 21}, {3, 2, 7, 10}};
     for (const auto& s : sizes)
       expect_same(evaluator, random_input(config, s[0], s[1], s[2], s[3], torch::kFloat32, 7),
                   title(config) + " " + std::to_string(s[2]) + "x" + std::to_string(s[3]));
   }
 }
 
-TEST_F(OnnxExportTest, NetworksWithAFilterOfTheirOwnAreRefused) {
-  EXPECT_GT(onnx_configs().size(), 10U);
-  for (const NetworkConfig& config : every_config()) {
-    if (generates_kernels(config)) continue;
-    EXPECT_ERROR(exported(config), "network '" + config.name + "' has no ONNX form");
-    EXPECT_FALSE(exists(path()));
-  }
-}
-
 TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
-  for (const NetworkConfig& config : onnx_configs()) {
+  for (const NetworkConfig& config : every_config()) {
     const OnnxEvaluator evaluator(exported(config));
     NetworkInput input = random_input(config, 1, 2, 9, 8, torch::kFloat32, 3);
     const NetworkInput none = {input.features, input.radiance, torch::zeros_like(input.valid)};
@@ -114,7 +96,7 @@ TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
 }
 
 TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
-  for (const NetworkConfig& config : onnx_configs()) {
+  for (const NetworkConfig& config : every_config()) {
     const OnnxEvaluator evaluator(exported(config, 30));
     NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 12, 11, torch::kFloat32, 5), config);
     input.valid.fill_(1);
