@@ -6,8 +6,8 @@
 
 #include "core/error.h"
 #include "core/tone_map.h"
-#include "dataset/half_rows.h"
 #include "frame/encoding.h"
+#include "frame/half_rows.h"
 
 namespace ld {
 namespace {

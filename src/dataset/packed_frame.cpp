@@ -6,7 +6,7 @@
 
 #include "core/checksum.h"
 #include "core/error.h"
-#include "dataset/half_rows.h"
+#include "frame/half_rows.h"
 #include "metrics/smape.h"
 
 namespace ld {

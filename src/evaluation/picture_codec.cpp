@@ -1,9 +1,5 @@
 #include "evaluation/picture_codec.h"
 
-// Before OpenImageIO, which would otherwise build all of fmt into this file.
-#include <fmt/format.h>
-
-#include <OpenImageIO/strutil.h>
 #include <half.h>
 #include <zlib.h>
 
@@ -20,6 +16,19 @@ namespace {
 
 uint16_t half_bits(float value) {
   return half(std::isfinite(value) ? std::clamp(value, -kHalfMax, kHalfMax) : value).bits();
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t three = 0;
+    for (size_t k = 0; k < 3; ++k)
+      three = three << 8 | (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0U);
+    for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63U];
+  }
+  return text;
 }
 
 }  // namespace
@@ -41,7 +50,8 @@ std::string encode_picture(const Image& image) {
                              static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
   if (code != Z_OK)
     fail("zlib cannot compress {} bytes (code {}); is there memory left?", bytes.size(), code);
-  return OIIO::Strutil::base64_encode({packed.data(), packed_size});
+  packed.resize(packed_size);
+  return base64(packed);
 }
 
 }  // namespace ld

@@ -132,11 +132,13 @@ void check_chunk(ExrBytes& file, const ExrRawPart& part, bool multi_part, uint64
 
 /// Every chunk has been written and begins within the file; the first and the last of each part are as large
 /// as the header says. A wrong data window, channel list or tile size shows in one of the two.
-void check_chunks(ExrBytes& file, const std::vector<ExrRawPart>& parts, bool multi_part) {
+std::vector<std::vector<uint64_t>> check_chunks(ExrBytes& file, const std::vector<ExrRawPart>& parts,
+                                                bool multi_part) {
   struct Chunk {
     uint64_t index, offset;
   };
   std::vector<std::vector<Chunk>> checked(parts.size());
+  std::vector<std::vector<uint64_t>> offsets(parts.size());
   Chunk last = {0, 0};
   const ExrRawPart* last_part = nullptr;
   for (size_t i = 0; i < parts.size(); ++i) {
@@ -149,6 +151,7 @@ void check_chunks(ExrBytes& file, const std::vector<ExrRawPart>& parts, bool mul
              parts[i].where(file.path()), index, count);
       if (offset >= file.size()) file.fail_short(fmt::format("before its pixels at byte {}", offset));
       if (parts[i].tiled && !parts[i].one_level) continue;
+      offsets[i].push_back(offset);
       if (index == 0 || index + 1 == count) checked[i].push_back({index, offset});
       if (offset > last.offset) {
         last = {index, offset};
@@ -159,6 +162,7 @@ void check_chunks(ExrBytes& file, const std::vector<ExrRawPart>& parts, bool mul
   for (size_t i = 0; i < parts.size(); ++i)
     for (const Chunk& chunk : checked[i]) check_chunk(file, parts[i], multi_part, chunk.index, chunk.offset);
   if (last_part != nullptr) check_chunk(file, *last_part, multi_part, last.index, last.offset);
+  return offsets;
 }
 
 }  // namespace
@@ -167,13 +171,18 @@ void fail_deep(const std::string& path) {
   fail("{}: holds deep data; expected flat parts, one for each sample; see docs/data_format.md", path);
 }
 
-void check_exr_file(const std::filesystem::path& path) {
+int lines_of_chunk(const ExrRawPart& part) {
+  return static_cast<int>(kCompressions[part.compression].lines);
+}
+
+ExrChunks check_exr_file(const std::filesystem::path& path) {
   ExrBytes file(path);
-  bool multi_part = false;
-  std::vector<ExrRawPart> parts = read_raw_headers(file, multi_part);
-  for (ExrRawPart& part : parts) check_part(part, multi_part, file.path());
-  check_size(parts, file);
-  check_chunks(file, parts, multi_part);
+  ExrChunks chunks;
+  chunks.parts = read_raw_headers(file, chunks.multi_part);
+  for (ExrRawPart& part : chunks.parts) check_part(part, chunks.multi_part, file.path());
+  check_size(chunks.parts, file);
+  chunks.offsets = check_chunks(file, chunks.parts, chunks.multi_part);
+  return chunks;
 }
 
 }  // namespace ld

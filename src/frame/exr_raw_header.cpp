@@ -67,9 +67,10 @@ void read_attribute(ExrBytes& file, ExrRawPart& part, const std::string& name, c
   };
   if (name == "dataWindow") {
     expect(type == "box2i" && bytes == 16);
-    const int64_t left = file.number<int32_t>(), top = file.number<int32_t>();
+    const int64_t left = file.number<int32_t>();
+    part.top = file.number<int32_t>();
     part.width = file.number<int32_t>() - left + 1;
-    part.height = file.number<int32_t>() - top + 1;
+    part.height = file.number<int32_t>() - part.top + 1;
     part.has_window = true;
   } else if (name == "channels") {
     expect(type == "chlist");

@@ -11,9 +11,9 @@
 namespace ld {
 
 struct ExrRawPart {
-  std::string name, type;  // empty where a single-part file has none
-  int64_t width = 0, height = 0;
-  uint64_t pixel_bytes = 0;  // of all channels that are not subsampled
+  std::string name, type;                  // empty where a single-part file has none
+  int64_t width = 0, height = 0, top = 0;  // of the data window
+  uint64_t pixel_bytes = 0;                // of all channels that are not subsampled
   bool has_window = false, has_channels = false, has_compression = false;
   bool subsampled = false;  // some channel
   bool tiled = false, one_level = true;

@@ -6,14 +6,17 @@
 #include <ImfPartType.h>
 #include <ImfTiledInputPart.h>
 
+#include <utility>
+
 #include "core/error.h"
-#include "frame/exr_check.h"
+#include "core/threads.h"
+#include "frame/exr_unpack.h"
 #include "frame/schema.h"
 
 namespace ld {
 
 ExrReader::ExrReader(const std::filesystem::path& path) : path_(path.string()) {
-  check_exr_file(path);
+  chunks_ = check_exr_file(path);
   try {
     // No rebuilding of chunk tables: an incomplete file is an error here, not something to make the best of.
     file_ = std::make_unique<Imf::MultiPartInputFile>(path_.c_str(), 0, false);
@@ -90,6 +93,35 @@ void ExrReader::require_channel(int part, const std::string& channel, const std:
 }
 
 void ExrReader::read(int part, const std::vector<ExrPlane>& planes) const {
+  read_parts({{part, planes}}, 1);
+}
+
+void ExrReader::read_parts(const std::vector<ExrPartPlanes>& parts, int threads, const RowsDone& done) const {
+  const ExrFile file(path_);
+  std::vector<std::unique_ptr<const ExrUnpacker>> unpackers;
+  std::vector<std::pair<size_t, int>> bands;  // index of `parts`, band
+  std::vector<size_t> others;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const auto& [part, planes] = parts[i];
+    const size_t pixels = static_cast<size_t>(width(part)) * static_cast<size_t>(height(part));
+    for (const ExrPlane& plane : planes) require_room(part, plane.channel, plane.count, pixels);
+    unpackers.push_back(
+        ExrUnpacker::make(file, path_, chunks_, static_cast<size_t>(part), header(part).channels(), planes));
+    if (!unpackers[i]) others.push_back(i);
+    for (int band = 0; unpackers[i] && band < unpackers[i]->bands(); ++band) bands.emplace_back(i, band);
+  }
+  parallel_for(static_cast<int64_t>(bands.size()), threads, [&](int64_t job) {
+    const auto [i, band] = bands[static_cast<size_t>(job)];
+    const auto [first_row, rows] = unpackers[i]->read(band);
+    if (done) done(i, first_row, rows);
+  });
+  for (const size_t i : others) {
+    read_with_openexr(parts[i].part, parts[i].planes);
+    if (done) done(i, 0, height(parts[i].part));
+  }
+}
+
+void ExrReader::read_with_openexr(int part, const std::vector<ExrPlane>& planes) const {
   std::vector<ExrTypedPlane> typed;
   for (const ExrPlane& plane : planes)
     typed.push_back({plane.channel, Imf::FLOAT, reinterpret_cast<char*>(plane.pixels), plane.count});
@@ -100,16 +132,19 @@ void ExrReader::read_typed(int part, const std::vector<ExrTypedPlane>& planes) c
   read_rows(part, planes, Rows::follow);
 }
 
+void ExrReader::require_room(int part, const std::string& channel, size_t count, size_t needed) const {
+  if (count != needed)
+    fail(
+        "{}: channel '{}' has {} x {} pixels, but there is room for {}; expected the same data window in "
+        "all parts",
+        where(part), channel, width(part), height(part), count);
+}
+
 void ExrReader::read_rows(int part, const std::vector<ExrTypedPlane>& planes, Rows rows) const {
   const Imath::Box2i& window = header(part).dataWindow();
   const size_t needed =
       static_cast<size_t>(width(part)) * (rows == Rows::same ? 1 : static_cast<size_t>(height(part)));
-  for (const ExrTypedPlane& plane : planes)
-    if (plane.count != needed)
-      fail(
-          "{}: channel '{}' has {} x {} pixels, but there is room for {}; expected the same data window in "
-          "all parts",
-          where(part), plane.channel, width(part), height(part), plane.count);
+  for (const ExrTypedPlane& plane : planes) require_room(part, plane.channel, plane.count, needed);
   try {
     Imf::FrameBuffer buffer;
     for (const ExrTypedPlane& plane : planes) {

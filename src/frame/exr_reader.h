@@ -6,10 +6,12 @@
 #include <ImfPixelType.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "frame/exr_check.h"
 #include "frame/frame.h"
 
 namespace ld {
@@ -19,6 +21,12 @@ struct ExrPlane {
   std::string channel;
   float* pixels;
   size_t count;
+};
+
+/// What to read of a part.
+struct ExrPartPlanes {
+  int part;
+  std::vector<ExrPlane> planes;
 };
 
 /// A channel in the type that the pixels are wanted in.
@@ -51,6 +59,12 @@ class ExrReader {
   /// pixels than the part's data window has.
   void read(int part, const std::vector<ExrPlane>& planes) const;
 
+  /// The same of several parts, on up to `threads` threads; they call `done`, if given, with an index of
+  /// `parts` and rows of that part as soon as these are complete. Each thread needs the memory of a chunk
+  /// twice.
+  using RowsDone = std::function<void(size_t index, int first_row, int rows)>;
+  void read_parts(const std::vector<ExrPartPlanes>& parts, int threads, const RowsDone& done = {}) const;
+
   /// Reads channels that are not subsampled, of any type; integers as integers only.
   void read_typed(int part, const std::vector<ExrTypedPlane>& planes) const;
 
@@ -63,8 +77,11 @@ class ExrReader {
   /// Rows follow one another as pixels do, or all go to one row.
   enum class Rows { follow, same };
   void read_rows(int part, const std::vector<ExrTypedPlane>& planes, Rows rows) const;
+  void require_room(int part, const std::string& channel, size_t count, size_t needed) const;
+  void read_with_openexr(int part, const std::vector<ExrPlane>& planes) const;
 
   std::string path_;
+  ExrChunks chunks_;
   std::unique_ptr<Imf::MultiPartInputFile> file_;
 };
 

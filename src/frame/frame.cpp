@@ -1,5 +1,7 @@
 #include "frame/frame.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,20 +10,36 @@ namespace ld {
 
 namespace {
 
-/// Whether a sample needs nothing done to it, which is the rule: one pass over its planes in order, a tenth
-/// of the time of going through all planes pixel by pixel. NaN fails both comparisons.
-bool is_clean(const Frame& frame, int s) {
-  const size_t pixels = frame.plane_size();
-  for (int c = 0; c < kSampleChannels; ++c) {
-    const float low = c < 3 ? 0.0F : -kEscapedDepth;
-    const float high = c < 3 ? std::numeric_limits<float>::max() : kEscapedDepth;
-    const float* plane = frame.plane(s, c);
-    bool fine = true;
-    for (size_t p = 0; p < pixels; ++p) fine &= (plane[p] >= low) & (plane[p] <= high);
-    if (!fine) return false;
-  }
-  const uint8_t* valid = frame.valid_plane(s);
-  return std::all_of(valid, valid + pixels, [](uint8_t v) { return v != 0; });
+/// Pixels from `first` on of a sample.
+struct Stretch {
+  int sample;
+  size_t first, count;
+};
+
+/// Whether all values are in [low, high], in a form that compilers vectorise. NaN is not.
+bool all_within(const float* values, size_t count, float low, float high) {
+  int out = 0;
+  for (size_t i = 0; i < count; ++i)
+    out |= static_cast<int>(!(values[i] >= low)) | static_cast<int>(!(values[i] <= high));
+  return out == 0;
+}
+
+float* alpha_of(Frame& frame, const Stretch& stretch) {
+  if (frame.alpha.empty()) return nullptr;
+  return frame.alpha.data() + static_cast<size_t>(stretch.sample) * frame.plane_size() + stretch.first;
+}
+
+/// Whether nothing is to be done, which is the rule: a tenth of the time of going through all planes pixel by
+/// pixel.
+bool is_clean(Frame& frame, const Stretch& stretch) {
+  for (int c = 0; c < kSampleChannels; ++c)
+    if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count,
+                    c < 3 ? 0.0F : -kEscapedDepth, c < 3 ? std::numeric_limits<float>::max() : kEscapedDepth))
+      return false;
+  const float* alpha = alpha_of(frame, stretch);
+  if (alpha != nullptr && !all_within(alpha, stretch.count, 0, 1)) return false;
+  const uint8_t* valid = frame.valid_plane(stretch.sample) + stretch.first;
+  return std::all_of(valid, valid + stretch.count, [](uint8_t v) { return v != 0; });
 }
 
 /// Sets the guides of a sample that are not finite to what a ray that escaped has; channel c is at sample[c *
@@ -42,39 +60,61 @@ int64_t mend_guides(float* sample, size_t pitch) {
   return mended;
 }
 
+void mend(Frame& frame, const Stretch& stretch, Faults& faults) {
+  const size_t pixels = frame.plane_size();
+  uint8_t* valid = frame.valid_plane(stretch.sample) + stretch.first;
+  float* const alpha = alpha_of(frame, stretch);
+  for (size_t p = 0; p < stretch.count; ++p) {
+    float* sample = frame.plane(stretch.sample, 0) + stretch.first + p;
+    bool finite = alpha == nullptr || std::isfinite(alpha[p]);
+    for (size_t c = 0; c < 3; ++c) finite = finite && std::isfinite(sample[c * pixels]);
+    if (valid[p] != 0 && !finite) {
+      ++faults.not_finite;
+      valid[p] = 0;
+    }
+    if (valid[p] != 0) faults.guides += mend_guides(sample, pixels);
+    for (size_t c = 0; c < kSampleChannels; ++c) {
+      float& value = sample[c * pixels];
+      if (valid[p] == 0) {
+        value = 0;
+      } else if (c < 3) {
+        if (value < 0) ++faults.negative;
+        value = std::max(value, 0.0F);
+      } else {
+        value = std::clamp(value, -kEscapedDepth, kEscapedDepth);
+      }
+    }
+    if (alpha != nullptr) alpha[p] = valid[p] == 0 ? 0.0F : std::clamp(alpha[p], 0.0F, 1.0F);
+  }
+}
+
 }  // namespace
+
+std::vector<float> zeros_in_large_pages(size_t count) {
+  constexpr size_t kPage = size_t{1} << 21;
+  std::vector<float> zeros;
+  zeros.reserve(count);
+  if (count * sizeof(float) >= 2 * kPage) {
+    const auto begin = (reinterpret_cast<uintptr_t>(zeros.data()) + kPage - 1) / kPage * kPage;
+    const auto end = reinterpret_cast<uintptr_t>(zeros.data() + count) / kPage * kPage;
+    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // where it cannot, small pages do
+  }
+  zeros.resize(count);
+  return zeros;
+}
 
 Faults sanitise(Frame& frame) {
   Faults faults;
-  const size_t pixels = frame.plane_size();
-  for (int s = 0; s < frame.spp; ++s) {
-    if (frame.alpha.empty() && is_clean(frame, s)) continue;
-    uint8_t* valid = frame.valid_plane(s);
-    float* const alpha = frame.alpha.empty() ? nullptr : frame.alpha.data() + static_cast<size_t>(s) * pixels;
-    for (size_t p = 0; p < pixels; ++p) {
-      float* sample = frame.plane(s, 0) + p;
-      bool finite = alpha == nullptr || std::isfinite(alpha[p]);
-      for (size_t c = 0; c < 3; ++c) finite = finite && std::isfinite(sample[c * pixels]);
-      if (valid[p] != 0 && !finite) {
-        ++faults.not_finite;
-        valid[p] = 0;
-      }
-      if (valid[p] != 0) faults.guides += mend_guides(sample, pixels);
-      for (size_t c = 0; c < kSampleChannels; ++c) {
-        float& value = sample[c * pixels];
-        if (valid[p] == 0) {
-          value = 0;
-        } else if (c < 3) {
-          if (value < 0) ++faults.negative;
-          value = std::max(value, 0.0F);
-        } else {
-          value = std::clamp(value, -kEscapedDepth, kEscapedDepth);
-        }
-      }
-      if (alpha != nullptr) alpha[p] = valid[p] == 0 ? 0.0F : std::clamp(alpha[p], 0.0F, 1.0F);
-    }
-  }
+  for (int s = 0; s < frame.spp; ++s) sanitise(frame, s, 0, frame.plane_size(), faults);
   return faults;
+}
+
+void sanitise(Frame& frame, int sample, size_t first, size_t count, Faults& faults) {
+  constexpr size_t kStretch = 2048;  // whose planes stay in the cache
+  for (size_t done = 0; done < count; done += kStretch) {
+    const Stretch stretch = {sample, first + done, std::min(kStretch, count - done)};
+    if (!is_clean(frame, stretch)) mend(frame, stretch, faults);
+  }
 }
 
 namespace {

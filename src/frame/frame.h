@@ -64,6 +64,10 @@ struct FrameInfo {
   Windows windows;
 };
 
+/// Zeros in memory that the system gives in large pieces where it can: a gigabyte in pages of 4 kB takes
+/// longer to get than to decode.
+std::vector<float> zeros_in_large_pages(size_t count);
+
 /// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
 /// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
 /// are then 0, and its alpha). Channels of features that the frame does not hold are 0.
@@ -80,7 +84,7 @@ struct Frame {
       : width(w),
         height(h),
         spp(s),
-        samples(size_t(w) * size_t(h) * size_t(s) * kSampleChannels),
+        samples(zeros_in_large_pages(size_t(w) * size_t(h) * size_t(s) * kSampleChannels)),
         valid(size_t(w) * size_t(h) * size_t(s), 1) {}
   size_t plane_size() const { return size_t(width) * size_t(height); }
   float* plane(int sample, int channel) {
@@ -101,6 +105,10 @@ struct Frame {
 /// radiance to 0, clamps guides to half's range, alpha to [0, 1] and sets the channels of masked samples to
 /// 0. Every frame passes through here once, on its way in.
 Faults sanitise(Frame& frame);
+
+/// The same for `count` pixels of one sample from `first` on; adds to `faults`. Different pixels may be done
+/// at once.
+void sanitise(Frame& frame, int sample, size_t first, size_t count, Faults& faults);
 
 /// Mean radiance of the valid samples, [3, H, W], accumulated in double; 0 where a pixel has none.
 Image mean_radiance(const Frame& frame);

@@ -32,9 +32,9 @@ FrameHeader read_frame_header(const std::filesystem::path& path);
 /// them; `faults` receives what was found. frame.features are all that the file holds. info.depth_scale is
 /// computed where the file has none. Throws Error as above and for a missing feature (naming part and
 /// channel), for a file without samples and for one with fewer than `samples`, of which only the first so
-/// many are read (0: all).
+/// many are read (0: all). Nothing depends on the number of threads.
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
-                 int samples = 0);
+                 int samples = 0, int threads = 1);
 
 /// Keeps the first `samples` samples of a frame that was read from `file`; 0: all. Throws Error when it has
 /// fewer.

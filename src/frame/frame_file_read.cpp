@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <mutex>
+#include <utility>
 
 #include "core/error.h"
 #include "frame/exr_check.h"
@@ -148,7 +150,7 @@ FrameHeader read_frame_header(const std::filesystem::path& path) {
 }
 
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
-                 int samples) {
+                 int samples, int threads) {
   const ExrReader exr(path);
   std::vector<int> parts = sample_parts(exr);
   const FrameHeader header = header_of(exr, parts);
@@ -167,6 +169,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   frame.info = header.info;
   frame.features = header.features;
   if (header.alpha) frame.alpha.resize(frame.valid.size());
+  std::vector<ExrPartPlanes> wanted;
   for (int s = 0; s < frame.spp; ++s) {
     const int part = parts[static_cast<size_t>(s)];
     std::vector<ExrPlane> planes;
@@ -183,10 +186,21 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
       planes.push_back(
           {"A", frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(), frame.plane_size()});
     }
-    exr.read(part, planes);
+    wanted.push_back({part, std::move(planes)});
   }
-
-  faults = sanitise(frame);
+  // Rows are mended by who has decoded them, while they are in the cache.
+  faults = {};
+  std::mutex faults_mutex;
+  exr.read_parts(wanted, threads, [&](size_t s, int row, int rows) {
+    const auto width = static_cast<size_t>(frame.width);
+    Faults found;
+    sanitise(frame, static_cast<int>(s), static_cast<size_t>(row) * width, static_cast<size_t>(rows) * width,
+             found);
+    const std::lock_guard<std::mutex> lock(faults_mutex);
+    faults.negative += found.negative;
+    faults.not_finite += found.not_finite;
+    faults.guides += found.guides;
+  });
   faults.clamped = frame.info.clamped;
   if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame);
   return frame;

@@ -1,14 +1,9 @@
-// Before OpenImageIO, which would otherwise build all of fmt into this file: the linker then takes this file,
-// and with it OpenImageIO, into every program that formats text.
-#include <fmt/format.h>
-
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <half.h>
+#include <png.h>
 
 #include <algorithm>
 #include <cmath>
@@ -68,8 +63,6 @@ void check_image(const fs::path& path, const Image& image, int most_channels) {
 
 }  // namespace
 
-// In memory: written by OpenImageIO itself, a file that the disk has no room for would end early without a
-// complaint.
 std::string png_bytes(const fs::path& path, const Image& image) {
   check_image(path, image, 3);
   std::vector<uint8_t> pixels(image.pixels.size());
@@ -79,15 +72,18 @@ std::string png_bytes(const fs::path& path, const Image& image) {
       const float mapped = std::min(tone_map(image.pixels[c * image.plane_size() + p]), 1.0F);
       pixels[p * channels + c] = static_cast<uint8_t>(std::lround(mapped * 255.0F));
     }
-  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  const auto output = OIIO::ImageOutput::create("png");
-  if (!output) fail("cannot write {}: {}", path.string(), OIIO::geterror());
-  OIIO::Filesystem::IOVecOutput memory;
-  if (!output->set_ioproxy(&memory) || !output->open(path.string(), spec) ||
-      !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) || !output->close())
-    fail("cannot write {}: {}", path.string(), output->geterror());
-  return {memory.buffer().begin(), memory.buffer().end()};
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png.format = image.channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&png, bytes.data(), &size, /*convert_to_8_bit=*/0, pixels.data(),
+                                /*row_stride=*/0, /*colormap=*/nullptr) == 0)
+    fail("cannot write {}: {}", path.string(), png.message);
+  bytes.resize(size);
+  return bytes;
 }
 
 PictureFormat picture_format(const fs::path& path) {

@@ -1,74 +1,66 @@
-// The little of HDF5's C interface that the layout needs, with handles that close themselves and complaints
-// in one line.
+// The little of HDF5 that the layout needs, with complaints in one line. The library itself, and some thirty
+// that it loads, are in a module (core/module.h), hdf5_module.cpp, so that only who has such files waits for
+// them.
 #pragma once
 
-#include <hdf5.h>
-
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace ld {
 
-/// An open HDF5 object.
-class Hdf5Handle {
- public:
-  using Close = herr_t (*)(hid_t);
-  Hdf5Handle() = default;
-  Hdf5Handle(hid_t id, Close close) : id_(id), close_(close) {}
-  ~Hdf5Handle() {
-    if (id_ >= 0 && close_ != nullptr) close_(id_);
-  }
-  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
-  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
-    std::swap(id_, other.id_);
-    std::swap(close_, other.close_);
-    return *this;
-  }
-  hid_t get() const { return id_; }
-  bool ok() const { return id_ >= 0; }
-
- private:
-  hid_t id_ = -1;
-  Close close_ = nullptr;
-};
-
 /// A data set of floats, read and written one frame (the first dimension) at a time.
 struct Hdf5Data {
-  Hdf5Handle handle;
-  std::string where;         // "file.h5: data set 'color'"
-  bool half_floats = false;  // of IEEE binary16, which frame/half_float.h converts
-  std::vector<hsize_t> dimensions;
-  size_t frame_values() const;  // values that a frame has
+  virtual ~Hdf5Data() = default;
+
+  std::string where;  // "file.h5: data set 'color'"
+  std::vector<uint64_t> dimensions;
+  size_t frame_values() const {  // values that a frame has
+    size_t values = 1;
+    for (size_t i = 1; i < dimensions.size(); ++i) values *= dimensions[i];
+    return values;
+  }
 
   /// Throws Error when HDF5 cannot.
-  void read_frame(hsize_t frame, std::vector<float>& values) const;
-  void write_frame(hsize_t frame, const std::vector<float>& values) const;
+  virtual void read_frame(uint64_t frame, std::vector<float>& values) const = 0;
+  virtual void write_frame(uint64_t frame, const std::vector<float>& values) const = 0;
 };
 
 class Hdf5File {
  public:
-  /// Opens for reading. Throws Error: missing, not HDF5.
-  static Hdf5File open(const std::filesystem::path& path);
+  /// Opens for reading. Throws Error: missing, not HDF5, no module.
+  static std::unique_ptr<Hdf5File> open(const std::filesystem::path& path);
   /// Makes a new file.
-  static Hdf5File create(const std::filesystem::path& path);
+  static std::unique_ptr<Hdf5File> create(const std::filesystem::path& path);
+
+  virtual ~Hdf5File() = default;
 
   /// Throws Error when not all of it reaches the file.
-  void flush() const;
+  virtual void flush() const = 0;
 
-  bool has(const std::string& name) const;
+  virtual bool has(const std::string& name) const = 0;
 
   /// Throws Error: no such data set, not of floats, other than `rank` dimensions, empty, absurd or larger
   /// than the file's bytes can unpack to.
-  Hdf5Data data(const std::string& name, size_t rank) const;
+  virtual std::unique_ptr<Hdf5Data> data(const std::string& name, size_t rank) const = 0;
 
   /// A data set of half floats (or, where `full`, floats), compressed, in pieces of one sample.
-  Hdf5Data make(const std::string& name, const std::vector<hsize_t>& dimensions, bool full = false) const;
-
- private:
-  std::string path_;
-  Hdf5Handle file_;
+  virtual std::unique_ptr<Hdf5Data> make(const std::string& name, const std::vector<uint64_t>& dimensions,
+                                         bool full = false) const = 0;
 };
+
+/// What the module gives.
+class Hdf5Library {
+ public:
+  virtual ~Hdf5Library() = default;
+  virtual std::unique_ptr<Hdf5File> open(const std::filesystem::path& path) const = 0;
+  virtual std::unique_ptr<Hdf5File> create(const std::filesystem::path& path) const = 0;
+};
+
+/// Loads the module at the first call. Throws Error where it is missing: the program was built without HDF5.
+const Hdf5Library& hdf5_library();
 
 }  // namespace ld

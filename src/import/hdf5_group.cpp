@@ -27,19 +27,19 @@ std::vector<std::string> features_of(const Hdf5Group& group) {
   return features;
 }
 
-void OpenGroup::read(hsize_t i, Frame& frame, std::vector<float>& values) const {
-  data.read_frame(i, values);
+void OpenGroup::read(uint64_t i, Frame& frame, std::vector<float>& values) const {
+  data->read_frame(i, values);
   for_each_plane(frame, *layout, [&](float* plane, size_t offset) {
     std::copy_n(values.data() + offset, frame.plane_size(), plane);
   });
 }
 
-void OpenGroup::write(hsize_t i, Frame& frame, std::vector<float>& values) const {
-  values.resize(data.frame_values());
+void OpenGroup::write(uint64_t i, Frame& frame, std::vector<float>& values) const {
+  values.resize(data->frame_values());
   for_each_plane(frame, *layout, [&](const float* plane, size_t offset) {
     std::copy_n(plane, frame.plane_size(), values.data() + offset);
   });
-  data.write_frame(i, values);
+  data->write_frame(i, values);
 }
 
 }  // namespace ld

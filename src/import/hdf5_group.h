@@ -1,6 +1,7 @@
 // Reading and writing the data sets of the HDF5 layout, one frame at a time.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,11 @@ std::vector<std::string> features_of(const Hdf5Group& group);
 
 struct OpenGroup {
   const Hdf5Group* layout;
-  Hdf5Data data;
+  std::unique_ptr<Hdf5Data> data;
 
   /// `values` is memory to work in. Throws Error when HDF5 cannot.
-  void read(hsize_t i, Frame& frame, std::vector<float>& values) const;
-  void write(hsize_t i, Frame& frame, std::vector<float>& values) const;
+  void read(uint64_t i, Frame& frame, std::vector<float>& values) const;
+  void write(uint64_t i, Frame& frame, std::vector<float>& values) const;
 };
 
 }  // namespace ld

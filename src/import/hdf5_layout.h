@@ -53,7 +53,7 @@ void require_no_fault_in_hdf5(const std::filesystem::path& samples, const std::f
 
 /// Adds all frames of a pair of files to a data set, as NAME_000000, ... Throws Error: files that are no
 /// HDF5, missing data sets, wrong types or shapes, sizes beyond reason or beyond what the file can hold.
-/// Always throws where the program was built without HDF5.
+/// Throws Error where the module that reads HDF5 (hdf5_file.h) is missing.
 Hdf5Report data_set_from_hdf5(const std::filesystem::path& samples, const std::filesystem::path& references,
                               const std::filesystem::path& folder, const std::string& name,
                               const std::string& split, Hdf5Depth depth);

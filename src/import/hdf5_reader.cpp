@@ -15,7 +15,7 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-void require_shape(const Hdf5Data& data, const std::vector<hsize_t>& expected) {
+void require_shape(const Hdf5Data& data, const std::vector<uint64_t>& expected) {
   if (data.dimensions != expected)
     fail("{}: of the shape [{}]; expected [{}]", data.where, fmt::join(data.dimensions, ", "),
          fmt::join(expected, ", "));
@@ -31,25 +31,25 @@ std::vector<OpenGroup> open_groups(const Hdf5File& file, std::vector<std::string
       continue;
     }
     groups.push_back({&layout, file.data(layout.name, 5)});
-    std::vector<hsize_t> expected = groups[0].data.dimensions;
-    expected[2] = static_cast<hsize_t>(layout.channels);
-    require_shape(groups.back().data, expected);
+    std::vector<uint64_t> expected = groups[0].data->dimensions;
+    expected[2] = static_cast<uint64_t>(layout.channels);
+    require_shape(*groups.back().data, expected);
   }
-  const std::vector<hsize_t>& size = groups[0].data.dimensions;
+  const std::vector<uint64_t>& size = groups[0].data->dimensions;
   if (size[1] > kMaxSamples || size[3] > kMaxImageSide || size[4] > kMaxImageSide ||
-      size[1] * size[3] * size[4] > static_cast<hsize_t>(kMaxFrameSamples))
+      size[1] * size[3] * size[4] > static_cast<uint64_t>(kMaxFrameSamples))
     fail(
         "{}: {} samples of {} x {} pixels; expected at most {} samples, {} pixels a side and {} samples in "
         "all",
-        groups[0].data.where, size[1], size[4], size[3], kMaxSamples, kMaxImageSide, kMaxFrameSamples);
+        groups[0].data->where, size[1], size[4], size[3], kMaxSamples, kMaxImageSide, kMaxFrameSamples);
   return groups;
 }
 
 /// A group of the file that has one channel for each sample, as `color` has them.
-OpenGroup open_scene_depth(const Hdf5File& file, std::vector<hsize_t> shape) {
+OpenGroup open_scene_depth(const Hdf5File& file, std::vector<uint64_t> shape) {
   OpenGroup depth = {&hdf5_scene_depth(), file.data(hdf5_scene_depth().name, 5)};
   shape[2] = 1;
-  require_shape(depth.data, shape);
+  require_shape(*depth.data, shape);
   return depth;
 }
 
@@ -62,27 +62,27 @@ class OpenPair {
            std::vector<std::string>& left_out)
       : file_(Hdf5File::open(samples)),
         reference_file_(Hdf5File::open(references)),
-        groups_(open_groups(file_, left_out)),
-        reference_(reference_file_.data("color", 4)),
+        groups_(open_groups(*file_, left_out)),
+        reference_(reference_file_->data("color", 4)),
         depth_(depth),
         scales_(size(0), 1) {
-    require_shape(reference_, {size(0), 3, size(3), size(4)});
-    if (!file_.has("depth_scale")) return;
-    const Hdf5Data scales = file_.data("depth_scale", 1);
-    require_shape(scales, {size(0)});
-    for (hsize_t i = 0; i < size(0); ++i) {
-      scales.read_frame(i, values_);
+    require_shape(*reference_, {size(0), 3, size(3), size(4)});
+    if (!file_->has("depth_scale")) return;
+    const std::unique_ptr<Hdf5Data> scales = file_->data("depth_scale", 1);
+    require_shape(*scales, {size(0)});
+    for (uint64_t i = 0; i < size(0); ++i) {
+      scales->read_frame(i, values_);
       scales_[i] = values_[0] > 0 ? values_[0] : 1;
     }
-    if (file_.has(hdf5_scene_depth().name))
-      scene_depth_ = open_scene_depth(file_, groups_[0].data.dimensions);
+    if (file_->has(hdf5_scene_depth().name))
+      scene_depth_ = open_scene_depth(*file_, groups_[0].data->dimensions);
     depth_ = scene_depth_ ? Hdf5Depth::scene : Hdf5Depth::ratio;
   }
 
-  hsize_t frames() const { return size(0); }
+  uint64_t frames() const { return size(0); }
 
   /// In the project's units; `faults` receives what had to be masked.
-  Frame frame(hsize_t i, Faults& faults) {
+  Frame frame(uint64_t i, Faults& faults) {
     Frame frame(static_cast<int>(size(4)), static_cast<int>(size(3)), static_cast<int>(size(1)));
     frame.features.clear();
     for (const OpenGroup& group : groups_) {
@@ -97,19 +97,19 @@ class OpenPair {
     return frame;
   }
 
-  ImportedPicture reference(hsize_t i) const {
+  ImportedPicture reference(uint64_t i) const {
     ImportedPicture picture{Image(static_cast<int>(size(4)), static_cast<int>(size(3)), 3), {}};
-    reference_.read_frame(i, picture.image.pixels);
+    reference_->read_frame(i, picture.image.pixels);
     return picture;
   }
 
  private:
-  hsize_t size(size_t dimension) const { return groups_[0].data.dimensions[dimension]; }
+  uint64_t size(size_t dimension) const { return groups_[0].data->dimensions[dimension]; }
 
-  Hdf5File file_, reference_file_;
+  std::unique_ptr<Hdf5File> file_, reference_file_;
   std::vector<OpenGroup> groups_;
   std::optional<OpenGroup> scene_depth_;
-  Hdf5Data reference_;
+  std::unique_ptr<Hdf5Data> reference_;
   Hdf5Depth depth_;
   std::vector<float> scales_, values_;
 };
@@ -117,11 +117,12 @@ class OpenPair {
 }  // namespace
 
 void require_no_fault_in_hdf5(const fs::path& samples, const fs::path& references) {
+  hdf5_library();  // once, rather than in the child and again here
   const bool survived = survives_in_a_child([&] {
     std::vector<std::string> left_out;
     Faults faults;
     OpenPair pair(samples, references, Hdf5Depth::ratio, left_out);
-    for (hsize_t i = 0; i < pair.frames() && !stop_requested(); ++i) {
+    for (uint64_t i = 0; i < pair.frames() && !stop_requested(); ++i) {
       pair.frame(i, faults);
       pair.reference(i);
     }
@@ -137,7 +138,7 @@ Hdf5Report data_set_from_hdf5(const fs::path& samples, const fs::path& reference
   check_place({folder, name, split});
   OpenPair pair(samples, references, depth, report.left_out);
   Progress progress("frames", static_cast<int64_t>(pair.frames()));
-  for (hsize_t i = 0; i < pair.frames(); ++i) {
+  for (uint64_t i = 0; i < pair.frames(); ++i) {
     report.stopped = stop_requested();
     if (report.stopped) break;
     Faults faults;

@@ -50,13 +50,14 @@ void prepare_radiance(Frame& frame, Image& reference, Hdf5Report& report) {
 
 void write_files(const Source& source, const fs::path& samples, const fs::path& references,
                  Hdf5Report& report) {
-  const Hdf5File file = Hdf5File::create(samples), reference_file = Hdf5File::create(references);
-  const hsize_t frames = source.entries.size(), spp = static_cast<hsize_t>(source.first.spp);
-  const hsize_t height = static_cast<hsize_t>(source.first.height),
-                width = static_cast<hsize_t>(source.first.width);
+  const std::unique_ptr<Hdf5File> file = Hdf5File::create(samples),
+                                  reference_file = Hdf5File::create(references);
+  const uint64_t frames = source.entries.size(), spp = static_cast<uint64_t>(source.first.spp);
+  const uint64_t height = static_cast<uint64_t>(source.first.height),
+                 width = static_cast<uint64_t>(source.first.width);
   const auto make_group = [&](const Hdf5Group& layout) -> OpenGroup {
     return {&layout,
-            file.make(layout.name, {frames, spp, static_cast<hsize_t>(layout.channels), height, width})};
+            file->make(layout.name, {frames, spp, static_cast<uint64_t>(layout.channels), height, width})};
   };
   std::vector<OpenGroup> groups;
   std::optional<OpenGroup> scene_depth;
@@ -64,25 +65,25 @@ void write_files(const Source& source, const fs::path& samples, const fs::path& 
     groups.push_back(make_group(*layout));
     if (features_of(*layout).back() == "depth") scene_depth = make_group(hdf5_scene_depth());
   }
-  const Hdf5Data scales = file.make("depth_scale", {frames}, true);
-  const Hdf5Data reference = reference_file.make("color", {frames, 3, height, width});
+  const std::unique_ptr<Hdf5Data> scales = file->make("depth_scale", {frames}, true);
+  const std::unique_ptr<Hdf5Data> reference = reference_file->make("color", {frames, 3, height, width});
   std::vector<float> values;
   Progress progress("frames", static_cast<int64_t>(frames));
-  for (hsize_t i = 0; i < frames; ++i) {
+  for (uint64_t i = 0; i < frames; ++i) {
     if (stop_requested()) throw Stopped();
     FramePair pair = read_frame_pair(source.folder, source.entries[i], source.needed);
     report.faulty_samples += pair.faults.not_finite;
-    scales.write_frame(i, {pair.frame.info.depth_scale});
+    scales->write_frame(i, {pair.frame.info.depth_scale});
     prepare_radiance(pair.frame, pair.reference.image, report);
     if (scene_depth) scene_depth->write(i, pair.frame, values);
     frame_to_hdf5_units(pair.frame);
     for (const OpenGroup& group : groups) group.write(i, pair.frame, values);
-    reference.write_frame(i, pair.reference.image.pixels);
+    reference->write_frame(i, pair.reference.image.pixels);
     ++report.frames;
     progress.advance();
   }
-  file.flush();
-  reference_file.flush();
+  file->flush();
+  reference_file->flush();
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
+#include <string>
 
 #include "core/error.h"
 #include "frame/exr_check.h"
@@ -112,10 +114,18 @@ std::vector<std::vector<float>> read_feature(const ExrReader& exr, const SourceF
   std::vector<std::vector<float>> planes;
   bool everywhere = false;
   std::vector<uint8_t> there(frame.pixels());  // where the file has a pixel of one of the channels
+  // All channels of a part at once, whose chunks are unpacked as a whole.
+  std::map<int, std::map<std::string, std::vector<float>>> read;
+  for (const SourceChannel& channel : source.channels)
+    read[channel.part][channel.name].resize(extent_of(exr, channel.part).pixels());
+  for (auto& [part, channels] : read) {
+    std::vector<ExrPlane> wanted;
+    for (auto& [name, pixels] : channels) wanted.push_back({name, pixels.data(), pixels.size()});
+    exr.read(part, wanted);
+  }
   for (const SourceChannel& channel : source.channels) {
     const Extent own = extent_of(exr, channel.part);
-    std::vector<float> pixels(own.pixels());
-    exr.read(channel.part, {{channel.name, pixels.data(), pixels.size()}});
+    std::vector<float> pixels = read[channel.part][channel.name];  // one may stand for several
     if (own == frame) {
       planes.push_back(std::move(pixels));
       everywhere = true;

@@ -65,7 +65,8 @@ class Run {
   }
 
   nlohmann::ordered_json denoise(const DenoiseTask& task) {
-    const InputFrame input = read_input(task.inputs, job_.render, denoiser_.features(), job_.samples);
+    const InputFrame input =
+        read_input(task.inputs, job_.render, denoiser_.features(), job_.samples, job_.threads);
     const Frame& frame = input.frame;
     tell_what_was_taken(input);
     state_.advance(task.place, frame.width, frame.height);

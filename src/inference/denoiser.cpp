@@ -1,5 +1,6 @@
 #include "inference/denoiser.h"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -70,9 +71,10 @@ struct Denoiser::State {
   std::unique_ptr<Execution> plan(const graph::Graph& graph, const Frame& frame,
                                   const DenoiseOptions& options) const {
     const PictureExtent picture = extent_of(frame);
+    malloc_trim(0);  // what earlier plans have freed
+    const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0) + kThreads;
     auto made = plan(graph, picture, threads_of(options));
     if (options.max_memory_bytes <= 0) return made;
-    const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0) + kThreads;
     while (base + made->memory_bytes() > options.max_memory_bytes) {
       const int64_t block = made->block_rows();
       if (block == 1)
@@ -125,8 +127,10 @@ Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options) const
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {
+  malloc_trim(0);
+  const int64_t base = resident_bytes() + kThreads;
   const auto least = state_->plan(state_->network.graph, {spp, height, width}, default_threads(), 1);
-  return resident_bytes() + kThreads + least->memory_bytes();
+  return base + least->memory_bytes();
 }
 
 std::vector<LayerPicture> Denoiser::layers(const Frame& frame, const DenoiseOptions& options) const {

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/threads.h"
 #include "frame/exr_reader.h"
 #include "frame/frame_file.h"
 #include "import/file_views.h"
@@ -115,13 +116,14 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
 }  // namespace
 
 InputFrame read_input(const std::vector<fs::path>& files, const RenderInput& render,
-                      const std::vector<std::string>& features, int samples) {
+                      const std::vector<std::string>& features, int samples, int threads) {
   InputFrame input;
   if (render.mapping) {
     input = import_input(files, render, features);
     keep_first_samples(input.frame, samples, files[0]);
   } else {
-    input.frame = read_frame(files[0], features, input.faults, samples);
+    input.frame =
+        read_frame(files[0], features, input.faults, samples, threads > 0 ? threads : default_threads());
     input.original = original_of_frame(files[0], input.frame);
   }
   require_valid_sample(input.frame, files[0].string());

@@ -33,9 +33,10 @@ struct InputFrame {
 /// Reads one frame with the features that a network needs, and of its samples the first `samples`; 0: all.
 /// Without a mapping there is one file. Features that the network can do without and that would need a camera
 /// are left out where there is none. Throws Error as read_frame() and import_frame() say, for features or
-/// samples that the renders lack, and where no sample of any pixel is finite.
+/// samples that the renders lack, and where no sample of any pixel is finite. `threads` decode frames; 0:
+/// default_threads().
 InputFrame read_input(const std::vector<std::filesystem::path>& files, const RenderInput& render,
-                      const std::vector<std::string>& features, int samples = 0);
+                      const std::vector<std::string>& features, int samples = 0, int threads = 0);
 
 /// Width and height of the frame that read_input() gives, from the files' headers.
 std::pair<int, int> input_size(const std::vector<std::filesystem::path>& files, const RenderInput& render);

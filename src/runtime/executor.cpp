@@ -1,6 +1,7 @@
 #include "runtime/executor.h"
 
 #include <algorithm>
+#include <chrono>
 #include <variant>
 
 #include "core/error.h"
@@ -56,6 +57,7 @@ struct Execution::State {
   std::vector<std::unique_ptr<Step>> steps;
   std::vector<ValueId> outputs;
   std::vector<double> row_work;  // of each node, a row of its output
+  std::vector<double> seconds;   // of each node, in the frame that runs
   double work = 0;
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
@@ -104,6 +106,7 @@ struct Execution::State {
     context.value_scale =
         largest_radiance(frame, context.threads) > kLargestRadiance ? float(kOverflowScale) : 1.0f;
     if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
+    seconds.assign(steps.size(), 0);
     for (const auto& step : steps) step->start();
   }
 };
@@ -129,7 +132,14 @@ int64_t Execution::arena_bytes() const {
 int64_t Execution::memory_bytes() const {
   int64_t bytes = arena_bytes();
   for (const auto& step : state_->steps) bytes += step->scratch_bytes(state_->block);
+  // Steps have the weights in the order in which they read them.
+  for (const graph::Parameter& parameter : graph::parameters(state_->context.graph))
+    bytes += int64_t(state_->context.weights.at(parameter.name).values.size() * sizeof(float));
   return bytes;
+}
+
+const std::vector<double>& Execution::seconds() const {
+  return state_->seconds;
 }
 
 const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
@@ -142,7 +152,10 @@ void Execution::run(const Frame& frame, const Progress& progress, const Rows& ro
   double done = 0, told = 0;
   state_->schedule.walk(
       [&](size_t node, int64_t begin, int64_t end) {
+        const auto start = std::chrono::steady_clock::now();
         state_->steps[node]->run(begin, end);
+        state_->seconds[node] +=
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         done += double(end - begin) * state_->row_work[node];
         const double share = std::min(done / state_->work, 1.0);
         if (!progress || share - told < 1 / kProgressSteps) return;

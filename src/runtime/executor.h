@@ -43,9 +43,12 @@ class Execution {
   /// Of the outputs' rows that are there: number `output`, the graph's own first.
   const float* row(size_t output, int64_t plane, int64_t y) const;
 
+  /// What each node of the graph took in the last run.
+  const std::vector<double>& seconds() const;
+
   /// All rows of all values that exist at a time.
   int64_t arena_bytes() const;
-  /// All that run() works in: the arena and what steps need besides, nothing of which is resident before.
+  /// The most that the plan takes while it runs: the arena, weights, and what steps need besides.
   int64_t memory_bytes() const;
 
  private:

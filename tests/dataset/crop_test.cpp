@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "core/tone_map.h"
-#include "dataset/half_rows.h"
 #include "frame/encoding.h"
+#include "frame/half_rows.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/packed_crop.h"
 #include "tests/support/random_frame.h"

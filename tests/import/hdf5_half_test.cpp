@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "import/hdf5_file.h"
+#include "import/hdf5_handle.h"
 #include "tests/support/temporary_folder.h"
 
 namespace ld {
@@ -16,12 +17,11 @@ namespace fs = std::filesystem;
 
 /// A file with one row of numbers as half floats, whose bits are read back with HDF5's own type.
 std::vector<uint16_t> written_bits(const fs::path& path, const std::vector<float>& values) {
-  const Hdf5File file = Hdf5File::create(path);
-  const Hdf5Data data = file.make("row", {1, values.size()});
-  data.write_frame(0, values);
+  Hdf5File::create(path)->make("row", {1, values.size()})->write_frame(0, values);
   std::vector<uint16_t> bits(values.size());
-  const Hdf5Handle type(H5Dget_type(data.handle.get()), H5Tclose);
-  EXPECT_GE(H5Dread(data.handle.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bits.data()), 0);
+  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose),
+      data(H5Dopen2(file.get(), "row", H5P_DEFAULT), H5Dclose), type(H5Dget_type(data.get()), H5Tclose);
+  EXPECT_GE(H5Dread(data.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bits.data()), 0);
   return bits;
 }
 
@@ -55,8 +55,10 @@ TEST(Hdf5, EveryHalfFloatSurvivesBothWays) {
   for (const H5T_order_t order : {H5T_ORDER_LE, H5T_ORDER_BE}) {
     {
       const Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-      const Hdf5Data like = Hdf5File::create(folder / "like.h5").make("row", {1, 1});
-      const Hdf5Handle type(H5Tcopy(Hdf5Handle(H5Dget_type(like.handle.get()), H5Tclose).get()), H5Tclose),
+      Hdf5File::create(folder / "like.h5")->make("row", {1, 1});
+      const Hdf5Handle like(H5Fopen((folder / "like.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose),
+          row(H5Dopen2(like.get(), "row", H5P_DEFAULT), H5Dclose),
+          type(H5Tcopy(Hdf5Handle(H5Dget_type(row.get()), H5Tclose).get()), H5Tclose),
           memory(H5Tcopy(type.get()), H5Tclose);
       H5Tset_order(type.get(), order);
       const hsize_t size[] = {1, 65536};
@@ -66,7 +68,7 @@ TEST(Hdf5, EveryHalfFloatSurvivesBothWays) {
           H5Dclose);
       ASSERT_GE(H5Dwrite(data.get(), memory.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()), 0);
     }
-    Hdf5File::open(path).data("row", 2).read_frame(0, values);
+    Hdf5File::open(path)->data("row", 2)->read_frame(0, values);
     for (const uint16_t bits : all) {
       if (finite_half(bits)) {
         ASSERT_EQ(values[bits], static_cast<float>(half_value(bits))) << "bits " << bits;

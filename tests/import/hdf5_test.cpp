@@ -9,6 +9,7 @@
 #include "frame/frame_pair.h"
 #include "import/frame_import.h"
 #include "import/hdf5_file.h"
+#include "import/hdf5_handle.h"
 #include "import/hdf5_layout.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/exr_parts.h"
@@ -87,47 +88,48 @@ TEST(Hdf5, ADataSetSurvives) {
 TEST(Hdf5, HoldsThePublishedLayoutAndUnits) {
   const TemporaryFolder folder;
   write_pair(folder);
-  const Hdf5File file = Hdf5File::open(folder / "samples.h5");
+  const std::unique_ptr<Hdf5File> file = Hdf5File::open(folder / "samples.h5");
   const Frame frame = read_back(folder / "data", 0).frame;
   std::vector<float> values;
-  const Hdf5Data motion = file.data("motionvecs", 5);
-  EXPECT_EQ(motion.dimensions, (std::vector<hsize_t>{2, 2, 3, 6, 8}));
-  motion.read_frame(0, values);
+  const std::unique_ptr<Hdf5Data> motion = file->data("motionvecs", 5);
+  EXPECT_EQ(motion->dimensions, (std::vector<uint64_t>{2, 2, 3, 6, 8}));
+  motion->read_frame(0, values);
   const int offset = find_feature("motion").offset;
   // NDC: the picture is 2 wide and 2 high, y up.
   EXPECT_NEAR(values[7], frame.plane(0, offset)[7] / 4, 1e-3F);
   EXPECT_NEAR(values[48 + 7], -frame.plane(0, offset + 1)[7] / 3, 1e-3F);
   EXPECT_NEAR(values[96 + 7], frame.plane(0, offset + 2)[7], 1e-3F);  // the circle of confusion
-  const Hdf5Data depths = file.data("normals_depth", 5);
-  EXPECT_EQ(depths.dimensions[2], 4u);
-  depths.read_frame(0, values);
+  const std::unique_ptr<Hdf5Data> depths = file->data("normals_depth", 5);
+  EXPECT_EQ(depths->dimensions[2], 4u);
+  depths->read_frame(0, values);
   const float depth = frame.plane(0, kDepthOffset)[7];
   EXPECT_NEAR(values[3 * 48 + 7], depth / (depth + 4), 1e-3F);
   EXPECT_EQ(values[3 * 48 + 3], 1);  // escaped
-  EXPECT_EQ(file.data("color", 5).dimensions[2], 3u);
-  EXPECT_EQ(file.data("albedo", 5).dimensions[2], 3u);
-  EXPECT_EQ(file.data("specular", 5).dimensions[2], 4u);
-  EXPECT_EQ(file.data("uvt", 5).dimensions[2], 3u);
-  const Hdf5Handle type(H5Dget_type(file.data("color", 5).handle.get()), H5Tclose);
+  EXPECT_EQ(file->data("color", 5)->dimensions[2], 3u);
+  EXPECT_EQ(file->data("albedo", 5)->dimensions[2], 3u);
+  EXPECT_EQ(file->data("specular", 5)->dimensions[2], 4u);
+  EXPECT_EQ(file->data("uvt", 5)->dimensions[2], 3u);
+  const Hdf5Handle same(H5Fopen((folder / "samples.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose),
+      color(H5Dopen2(same.get(), "color", H5P_DEFAULT), H5Dclose), type(H5Dget_type(color.get()), H5Tclose);
   EXPECT_EQ(H5Tget_size(type.get()), 2u);
-  EXPECT_EQ(Hdf5File::open(folder / "references.h5").data("color", 4).dimensions,
-            (std::vector<hsize_t>{2, 3, 6, 8}));
+  EXPECT_EQ(Hdf5File::open(folder / "references.h5")->data("color", 4)->dimensions,
+            (std::vector<uint64_t>{2, 3, 6, 8}));
 }
 
 /// A pair of files as another program would write them: no depth_scale.
 void write_foreign(const TemporaryFolder& folder) {
-  const Hdf5File samples = Hdf5File::create(folder / "samples.h5");
+  const std::unique_ptr<Hdf5File> samples = Hdf5File::create(folder / "samples.h5");
   std::vector<float> color(3 * 4), normals(4 * 4);
   for (size_t i = 0; i < color.size(); ++i) color[i] = static_cast<float>(i);
   for (size_t p = 0; p < 4; ++p) {
     normals[8 + p] = p == 3 ? 0.0F : 1.0F;
     normals[12 + p] = p == 3 ? 1.0F : 0.25F;
   }
-  samples.make("color", {1, 1, 3, 2, 2}).write_frame(0, color);
-  samples.make("normals_depth", {1, 1, 4, 2, 2}).write_frame(0, normals);
+  samples->make("color", {1, 1, 3, 2, 2})->write_frame(0, color);
+  samples->make("normals_depth", {1, 1, 4, 2, 2})->write_frame(0, normals);
   Hdf5File::create(folder / "references.h5")
-      .make("color", {1, 3, 2, 2})
-      .write_frame(0, std::vector<float>(12, 1));
+      ->make("color", {1, 3, 2, 2})
+      ->write_frame(0, std::vector<float>(12, 1));
 }
 
 // d / (d + s) in half floats would lose a tenth at d = 400 s, and everything beyond 2047 s.
@@ -146,25 +148,25 @@ TEST(Hdf5, DepthsSurviveHoweverFar) {
       EXPECT_EQ(after.plane(s, kDepthOffset)[p], before.plane(s, kDepthOffset)[p]) << "pixel " << p;
   // What readers of the published layout find.
   std::vector<float> values;
-  Hdf5File::open(folder / "samples.h5").data("normals_depth", 5).read_frame(0, values);
+  Hdf5File::open(folder / "samples.h5")->data("normals_depth", 5)->read_frame(0, values);
   const float* ratio = values.data() + (4 + 3) * 48;
   EXPECT_NEAR(ratio[0], 5.0742 / (5.0742 + 5.0760), 3e-4);
   EXPECT_EQ(ratio[7], 1 - 1.0F / 2048) << "a hit, however far, is not escaped";
   EXPECT_EQ(ratio[8], 1);
-  EXPECT_EQ(Hdf5File::open(folder / "samples.h5").data("depth", 5).dimensions,
-            (std::vector<hsize_t>{1, 2, 1, 6, 8}));
+  EXPECT_EQ(Hdf5File::open(folder / "samples.h5")->data("depth", 5)->dimensions,
+            (std::vector<uint64_t>{1, 2, 1, 6, 8}));
 }
 
 TEST(Hdf5, DepthsInSceneUnitsAreNotTrusted) {
   const TemporaryFolder folder;
   write_foreign(folder);
   {
-    const Hdf5File file = Hdf5File::create(folder / "samples.h5");
-    file.make("color", {1, 1, 3, 2, 2}).write_frame(0, std::vector<float>(12, 2));
-    file.make("normals_depth", {1, 1, 4, 2, 2}).write_frame(0, std::vector<float>(16, 0.5F));
-    file.make("depth_scale", {1}, true).write_frame(0, {2});
-    file.make("depth", {1, 1, 1, 2, 2}, true)
-        .write_frame(0, {3, std::numeric_limits<float>::quiet_NaN(), 1e30F, 0.25F});
+    const std::unique_ptr<Hdf5File> file = Hdf5File::create(folder / "samples.h5");
+    file->make("color", {1, 1, 3, 2, 2})->write_frame(0, std::vector<float>(12, 2));
+    file->make("normals_depth", {1, 1, 4, 2, 2})->write_frame(0, std::vector<float>(16, 0.5F));
+    file->make("depth_scale", {1}, true)->write_frame(0, {2});
+    file->make("depth", {1, 1, 1, 2, 2}, true)
+        ->write_frame(0, {3, std::numeric_limits<float>::quiet_NaN(), 1e30F, 0.25F});
   }
   read_pair(folder, "back");
   const Frame frame = read_back(folder / "back", 0).frame;
@@ -172,10 +174,10 @@ TEST(Hdf5, DepthsInSceneUnitsAreNotTrusted) {
             (std::vector<float>{3, kEscapedDepth, kEscapedDepth, 0.25F}));
   EXPECT_EQ(frame.info.depth_scale, 2);
   {
-    const Hdf5File file = Hdf5File::create(folder / "samples.h5");
-    file.make("color", {1, 1, 3, 2, 2}).write_frame(0, std::vector<float>(12, 2));
-    file.make("depth_scale", {1}, true).write_frame(0, {2});
-    file.make("depth", {1, 1, 1, 2, 3}).write_frame(0, std::vector<float>(6, 1));
+    const std::unique_ptr<Hdf5File> file = Hdf5File::create(folder / "samples.h5");
+    file->make("color", {1, 1, 3, 2, 2})->write_frame(0, std::vector<float>(12, 2));
+    file->make("depth_scale", {1}, true)->write_frame(0, {2});
+    file->make("depth", {1, 1, 1, 2, 3})->write_frame(0, std::vector<float>(6, 1));
   }
   EXPECT_ERROR(read_pair(folder, "d"),
                "data set 'depth': of the shape [1, 1, 1, 2, 3]; expected [1, 1, 1, 2, 2]");
@@ -262,8 +264,8 @@ TEST(Hdf5, HostileFilesGiveOneError) {
   write_file_atomically(folder / "samples.h5", "Dear reader");
   EXPECT_ERROR(read_pair(folder, "d"), "no HDF5 file");
 
-  const auto with_color = [&](const std::vector<hsize_t>& dimensions) {
-    Hdf5File::create(folder / "samples.h5").make("color", dimensions);
+  const auto with_color = [&](const std::vector<uint64_t>& dimensions) {
+    Hdf5File::create(folder / "samples.h5")->make("color", dimensions);
     return error_text([&] { read_pair(folder, "d"); });
   };
   EXPECT_NE(
@@ -271,14 +273,14 @@ TEST(Hdf5, HostileFilesGiveOneError) {
       std::string::npos);
   EXPECT_NE(with_color({1, 3, 2, 2}).find("4 dimensions; expected 5"), std::string::npos);
   {
-    const Hdf5File file = Hdf5File::create(folder / "samples.h5");
-    file.make("albedo", {1, 1, 3, 2, 2});
+    const std::unique_ptr<Hdf5File> file = Hdf5File::create(folder / "samples.h5");
+    file->make("albedo", {1, 1, 3, 2, 2});
   }
   EXPECT_ERROR(read_pair(folder, "d"), "data set 'color' is missing");
   {
-    const Hdf5File file = Hdf5File::create(folder / "samples.h5");
-    file.make("color", {1, 1, 3, 2, 2}).write_frame(0, std::vector<float>(12, 1));
-    file.make("uvt", {1, 1, 3, 2, 3}).write_frame(0, std::vector<float>(18, 1));
+    const std::unique_ptr<Hdf5File> file = Hdf5File::create(folder / "samples.h5");
+    file->make("color", {1, 1, 3, 2, 2})->write_frame(0, std::vector<float>(12, 1));
+    file->make("uvt", {1, 1, 3, 2, 3})->write_frame(0, std::vector<float>(18, 1));
   }
   EXPECT_ERROR(read_pair(folder, "d"),
                "data set 'uvt': of the shape [1, 1, 3, 2, 3]; expected [1, 1, 3, 2, 2]");

@@ -3,25 +3,14 @@
 
 #include "dataset/input_tensors.h"
 #include "models/exposure.h"
-#include "models/graphs/network_graph.h"
 #include "ops/kernels/instruction_sets.h"
-#include "runtime/executor.h"
 #include "runtime/frame_exposure.h"
 #include "tests/models/small_network.h"
+#include "tests/runtime/run_graph.h"
 #include "tests/support/random_frame.h"
 
 namespace ld {
 namespace {
-
-NamedWeights weights_of(const Network& network) {
-  NamedWeights weights;
-  for (const auto& entry : network.named_parameters()) {
-    const torch::Tensor values = entry.value().detach().to(torch::kFloat32).contiguous();
-    weights.add(entry.key(), {values.sizes().vec(),
-                              {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()}});
-  }
-  return weights;
-}
 
 /// A frame of which some samples are missing, the first pixel and a ninth of the picture have none, and the
 /// light spans ten octaves.
@@ -55,12 +44,6 @@ void scale_light(Frame& frame, float factor) {
 Image in_torch(Network& network, const Frame& frame) {
   const torch::NoGradGuard no_graph;
   return to_image(network.forward(make_network_input({frame}, network.config().features)).squeeze(0));
-}
-
-Image in_runtime(const NetworkConfig& config, const NamedWeights& weights, const Frame& frame,
-                 const ExecutionOptions& options) {
-  const graph::Graph graph = network_graph(config);
-  return Execution(graph, weights, {frame.spp, frame.height, frame.width}, options).run(frame)[0];
 }
 
 float largest_difference(const Image& a, const Image& b) {

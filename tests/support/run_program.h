@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,10 +21,11 @@ namespace ld {
 /// A program that runs in the background, its standard output and error going to one file.
 class RunningProgram {
  public:
-  /// `environment`: variables that it finds besides those of the test.
+  /// `name` of one of ours, or the path of another. `environment`: variables that it finds besides those of
+  /// the test.
   RunningProgram(const std::string& name, std::vector<std::string> arguments,
                  const std::map<std::string, std::string>& environment = {}) {
-    arguments.insert(arguments.begin(), std::string(LD_BIN_DIR) + "/" + name);
+    arguments.insert(arguments.begin(), (std::filesystem::path(LD_BIN_DIR) / name).string());
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

@@ -73,67 +73,114 @@ HWY_INLINE void weights(D d, const Tile& tile, const PartitionInput& in, int64_t
     V total = hn::Zero(d);
     for (int64_t l = 0; l < layers; ++l) {
       float* row = scratch.log_w.row(s * layers + l) + x;
-      const V difference = hn::Sub(hn::Load(d, row), largest);
+      const V difference = hn::Sub(hn::Load(d, row), largest), e = exp_negative(d, difference);
       hn::Store(difference, d, row);
-      total = hn::Add(total, exp_negative(d, difference));
+      hn::Store(e, d, scratch.weight.row(s * layers + l) + x);
+      total = hn::Add(total, e);
     }
     const V log_total = hn::Log(d, total);  // of 1 to N
     const auto counts = hn::MaskFromVec(hn::Load(d, scratch.mask.row(s) + x));
+    const V factor = hn::IfThenElseZero(counts, hn::Div(inverse_count, total));
     for (int64_t l = 0; l < layers; ++l) {
       float* row = scratch.log_w.row(s * layers + l) + x;
       const V log_w =
           hn::IfThenElse(counts, hn::Max(hn::Sub(hn::Load(d, row), log_total), hn::Set(d, kLowestLogit)),
                          hn::Set(d, -kInfinity));
       hn::Store(log_w, d, row);
-      hn::Store(hn::Mul(exp_negative(d, log_w), inverse_count), d, scratch.weight.row(s * layers + l) + x);
+      float* weight = scratch.weight.row(s * layers + l) + x;
+      hn::Store(hn::Mul(hn::Load(d, weight), factor), d, weight);
     }
   }
 }
-
-/// The softmax over the samples' weights in layer l and those behind it (alpha) or in layer l alone.
-struct Occupancy {
-  V largest, total, inverse;
-};
 
 HWY_INLINE int64_t behind(const PartitionShape& shape, int64_t l) {
   return shape.alpha ? shape.layers : l + 1;
 }
 
+/// The softmax over the samples' weights in layer l and those behind it (alpha) or in layer l alone.
+struct Occupancy {
+  V largest, total, inverse;
+  const StagedRows* terms;  // what sample s puts into layer k, times `inverse`: a share of n_l
+};
+
 HWY_INLINE Occupancy occupancy(D d, const PartitionShape& shape, int64_t l, int64_t x,
-                               const PartitionScratch& scratch) {
+                               PartitionScratch& scratch) {
+  // n_0 counts all weights of all samples: their number, by which the weights are divided already.
+  if (l == 0 && shape.alpha) return {hn::Zero(d), hn::Set(d, 1.0f), hn::Set(d, 1.0f), &scratch.weight};
   V largest = hn::Set(d, std::numeric_limits<float>::lowest());
   for (int64_t s = 0; s < shape.samples; ++s)
     for (int64_t k = l; k < behind(shape, l); ++k)
       largest = hn::Max(largest, hn::Load(d, scratch.log_w.row(s * shape.layers + k) + x));
   V total = hn::Zero(d);
   for (int64_t s = 0; s < shape.samples; ++s)
-    for (int64_t k = l; k < behind(shape, l); ++k)
-      total = hn::Add(
-          total, exp_negative(d, hn::Sub(hn::Load(d, scratch.log_w.row(s * shape.layers + k) + x), largest)));
+    for (int64_t k = l; k < behind(shape, l); ++k) {
+      const int64_t row = s * shape.layers + k;
+      const V term = exp_negative(d, hn::Sub(hn::Load(d, scratch.log_w.row(row) + x), largest));
+      hn::Store(term, d, scratch.term.row(row) + x);
+      total = hn::Add(total, term);
+    }
   const V inverse = hn::IfThenElseZero(hn::Gt(total, hn::Zero(d)), hn::Div(hn::Set(d, 1.0f), total));
-  return {largest, total, inverse};
+  return {largest, total, inverse, &scratch.term};
 }
 
 /// What sample s puts into layer k, as a share of n_l.
-HWY_INLINE V share_of(D d, const PartitionShape& shape, const Occupancy& n, int64_t s, int64_t k, int64_t x,
-                      const PartitionScratch& scratch) {
-  const V e = hn::Sub(hn::Load(d, scratch.log_w.row(s * shape.layers + k) + x), n.largest);
-  return hn::Mul(exp_negative(d, e), n.inverse);
+HWY_INLINE V share_of(D d, const PartitionShape& shape, const Occupancy& n, int64_t s, int64_t k, int64_t x) {
+  return hn::Mul(hn::Load(d, n.terms->row(s * shape.layers + k) + x), n.inverse);
 }
 
-/// sums[l][c] = sum over s of factors[s][l] * values[s][c], for one channel and a vector.
-HWY_INLINE void sum_channel(D d, const Tile& tile, StagedRows& factors, const PartitionScratch& scratch,
-                            const float* values, int64_t channels, int64_t c, float* sums, int64_t x,
-                            int64_t left) {
-  const int64_t layers = tile.shape.layers;
-  for (int64_t l = 0; l < layers; ++l) {
-    V sum = hn::Zero(d);
-    for (int64_t s = 0; s < tile.shape.samples; ++s) {
+/// sums[l][c] = sum over s of factors[s][l] * values[s][c], for one channel, layers [l, l + kLayers) and
+/// kVectors vectors of pixels: each value is read once, and enough sums are under way at a time.
+template <int kLayers, int kVectors>
+HWY_INLINE void sum_pixels(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
+                           const float* values, int64_t channels, int64_t c, int64_t l, float* sums,
+                           int64_t x, int64_t left) {
+  V sum[kLayers][kVectors];
+#pragma GCC unroll 4
+  for (int k = 0; k < kLayers; ++k)
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) sum[k][v] = hn::Zero(d);
+  const float* from = values + tile.at(c, x);
+  const float* mask = scratch.mask.row(0) + x;
+  const float* factor = factors.row(l) + x;
+  for (int64_t s = 0; s < tile.shape.samples; ++s) {
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) {
       const V value =
-          hn::And(load(d, values + tile.at(s * channels + c, x), left), hn::Load(d, scratch.mask.row(s) + x));
-      sum = hn::MulAdd(hn::Load(d, factors.row(s * layers + l) + x), value, sum);
+          hn::And(load(d, from + v * lanes(), left - v * lanes()), hn::Load(d, mask + v * lanes()));
+#pragma GCC unroll 4
+      for (int k = 0; k < kLayers; ++k)
+        sum[k][v] = hn::MulAdd(hn::Load(d, factor + k * factors.pitch() + v * lanes()), value, sum[k][v]);
     }
-    store(d, sum, sums + tile.at(l * channels + c, x), left);
+    from += channels * tile.shape.plane;
+    mask += scratch.mask.pitch();
+    factor += tile.shape.layers * factors.pitch();
+  }
+#pragma GCC unroll 4
+  for (int k = 0; k < kLayers; ++k)
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v)
+      store(d, sum[k][v], sums + tile.at((l + k) * channels + c, x + v * lanes()), left - v * lanes());
+}
+
+template <int kLayers>
+HWY_INLINE void sum_layers(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
+                           const float* values, int64_t channels, int64_t c, int64_t l, float* sums) {
+  constexpr int kVectors = 4;
+  int64_t x = 0;
+  for (; tile.count - x >= kVectors * lanes(); x += kVectors * lanes())
+    sum_pixels<kLayers, kVectors>(d, tile, factors, scratch, values, channels, c, l, sums, x, tile.count - x);
+  for (; x < tile.count; x += lanes())
+    sum_pixels<kLayers, 1>(d, tile, factors, scratch, values, channels, c, l, sums, x, tile.count - x);
+}
+
+/// All channels and layers.
+HWY_INLINE void sum_values(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
+                           const float* values, int64_t channels, float* sums) {
+  for (int64_t c = 0; c < channels; ++c) {
+    int64_t l = 0;
+    for (; l + 2 <= tile.shape.layers; l += 2)
+      sum_layers<2>(d, tile, factors, scratch, values, channels, c, l, sums);
+    for (; l < tile.shape.layers; ++l) sum_layers<1>(d, tile, factors, scratch, values, channels, c, l, sums);
   }
 }
 
@@ -149,11 +196,11 @@ void tile_forward(const PartitionShape& shape, const PartitionInput& in, const P
       const Occupancy n = occupancy(d, shape, l, x, scratch);
       V opacity = hn::Zero(d), transmittance = hn::Zero(d);
       for (int64_t s = 0; s < shape.samples; ++s) {
-        const V share = share_of(d, shape, n, s, l, x, scratch);
+        const V share = share_of(d, shape, n, s, l, x);
         hn::Store(share, d, scratch.share.row(s * shape.layers + l) + x);
         opacity = hn::Add(opacity, share);
         for (int64_t k = l + 1; k < behind(shape, l); ++k)
-          transmittance = hn::Add(transmittance, share_of(d, shape, n, s, k, x, scratch));
+          transmittance = hn::Add(transmittance, share_of(d, shape, n, s, k, x));
       }
       V log_n = hn::Zero(d);  // n_0 = 1
       if (l > 0 || !shape.alpha)
@@ -163,14 +210,8 @@ void tile_forward(const PartitionShape& shape, const PartitionInput& in, const P
       if (out.transmittance != nullptr) store(d, transmittance, out.transmittance + tile.at(l, x), left);
     }
   });
-  for (int64_t c = 0; c < shape.channels; ++c)
-    tile.each([&](int64_t x, int64_t left) {
-      sum_channel(d, tile, scratch.share, scratch, in.radiance, shape.channels, c, out.radiance, x, left);
-    });
-  for (int64_t c = 0; c < shape.embedding; ++c)
-    tile.each([&](int64_t x, int64_t left) {
-      sum_channel(d, tile, scratch.weight, scratch, in.embedding, shape.embedding, c, out.embedding, x, left);
-    });
+  sum_values(d, tile, scratch.share, scratch, in.radiance, shape.channels, out.radiance);
+  sum_values(d, tile, scratch.weight, scratch, in.embedding, shape.embedding, out.embedding);
 }
 
 HWY_INLINE V load_gradient(D d, const float* gradient, int64_t index, int64_t left) {
@@ -201,13 +242,13 @@ HWY_INLINE void layer_backward(D d, const Tile& tile, const PartitionInput& in, 
           pull, bounded_product(d, load_gradient(d, from.radiance, tile.at(shape.channels * l + c, x), left),
                                 value));
     }
-    const V share = share_of(d, shape, n, s, l, x, scratch);
+    const V share = share_of(d, shape, n, s, l, x);
     hn::Store(share, d, scratch.share.row(s * shape.layers + l) + x);
     // Kept where it is used next: the gradient of this sample's share of its own layer.
     hn::Store(pull, d, scratch.gradient.row(shape.samples * shape.layers + s) + x);
     mean = hn::MulAdd(share, pull, mean);
     for (int64_t k = l + 1; k < behind(shape, l); ++k)
-      mean = hn::MulAdd(share_of(d, shape, n, s, k, x, scratch), of_transmittance, mean);
+      mean = hn::MulAdd(share_of(d, shape, n, s, k, x), of_transmittance, mean);
   }
   const V offset = hn::Sub(of_log_n, mean);
   for (int64_t s = 0; s < shape.samples; ++s)
@@ -215,8 +256,7 @@ HWY_INLINE void layer_backward(D d, const Tile& tile, const PartitionInput& in, 
       float* to = scratch.gradient.row(s * shape.layers + k) + x;
       const V pull =
           k == l ? hn::Load(d, scratch.gradient.row(shape.samples * shape.layers + s) + x) : of_transmittance;
-      hn::Store(hn::MulAdd(share_of(d, shape, n, s, k, x, scratch), hn::Add(pull, offset), hn::Load(d, to)),
-                d, to);
+      hn::Store(hn::MulAdd(share_of(d, shape, n, s, k, x), hn::Add(pull, offset), hn::Load(d, to)), d, to);
     }
 }
 
@@ -307,6 +347,7 @@ PartitionScratch::PartitionScratch(const PartitionShape& shape)
     : log_w(shape.samples * shape.layers, kPartitionPixels, 0, 0.0f),
       share(shape.samples * shape.layers, kPartitionPixels, 0, 0.0f),
       weight(shape.samples * shape.layers, kPartitionPixels, 0, 0.0f),
+      term(shape.samples * shape.layers, kPartitionPixels, 0, 0.0f),
       gradient(shape.samples * (shape.layers + 1), kPartitionPixels, 0, 0.0f),
       pull(shape.layers, kPartitionPixels, 0, 0.0f),
       mask(shape.samples, kPartitionPixels, 0, 0.0f) {}

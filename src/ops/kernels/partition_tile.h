@@ -42,6 +42,7 @@ struct PartitionScratch {
   StagedRows log_w;     // [S][N] log w_s^l, -inf where a sample does not count
   StagedRows share;     // [S][N] w_s^l / (S n_l)
   StagedRows weight;    // [S][N] w_s^l / S
+  StagedRows term;      // [S][N] w_s^l over the largest that n_l counts
   StagedRows gradient;  // [S][N] of log w; then [S] of a sample's own share
   StagedRows pull;      // [N] of an embedding on the weights
   StagedRows mask;      // [S] all bits set where a sample counts

@@ -12,7 +12,8 @@ namespace ld {
 namespace HWY_NAMESPACE {
 
 constexpr int64_t kMostTaps = 31;  // of a kernel's row
-constexpr int64_t kBlock = 4;      // channels that are summed at once
+constexpr int64_t kBlock = 4;      // channels whose gradients are summed at once
+constexpr int kMostAdded = 8;      // channels that are summed at once
 
 /// m_p of every pixel, over all layers and taps; where `argmax` is given, the first plane that has it.
 template <bool kArgmax>
@@ -59,16 +60,46 @@ HWY_INLINE void add_channels(D d, const FilterShape& shape, const float* HWY_RES
                              const float* HWY_RESTRICT values, int64_t values_pitch, V rescale,
                              float* HWY_RESTRICT sums, int64_t sums_pitch) {
   V sum[kCount];
-#pragma GCC unroll 4
+#pragma GCC unroll 8
   for (int c = 0; c < kCount; ++c) sum[c] = hn::Mul(hn::LoadU(d, sums + c * sums_pitch), rescale);
   for (int64_t dx = 0; dx < shape.kernel; ++dx) {
     const V weight = hn::Load(d, weights + dx * lanes());
-#pragma GCC unroll 4
+#pragma GCC unroll 8
     for (int c = 0; c < kCount; ++c)
       sum[c] = hn::MulAdd(weight, hn::LoadU(d, values + c * values_pitch - dx), sum[c]);
   }
-#pragma GCC unroll 4
+#pragma GCC unroll 8
   for (int c = 0; c < kCount; ++c) hn::StoreU(sum[c], d, sums + c * sums_pitch);
+}
+
+/// All of them, as many at once as there are: the weights are read once for each such block.
+HWY_INLINE void add_all_channels(D d, const FilterShape& shape, const float* weights, const float* values,
+                                 int64_t values_pitch, V rescale, float* sums, int64_t sums_pitch) {
+  int64_t c = 0;
+  const auto add = [&](auto count) {
+    add_channels<decltype(count)::value>(d, shape, weights, values + c * values_pitch, values_pitch, rescale,
+                                         sums + c * sums_pitch, sums_pitch);
+    c += decltype(count)::value;
+  };
+  while (shape.channels - c >= kMostAdded) add(std::integral_constant<int, kMostAdded>());
+  switch (shape.channels - c) {
+    case 7:
+      return add(std::integral_constant<int, 7>());
+    case 6:
+      return add(std::integral_constant<int, 6>());
+    case 5:
+      return add(std::integral_constant<int, 5>());
+    case 4:
+      return add(std::integral_constant<int, 4>());
+    case 3:
+      return add(std::integral_constant<int, 3>());
+    case 2:
+      return add(std::integral_constant<int, 2>());
+    case 1:
+      return add(std::integral_constant<int, 1>());
+    default:
+      return;
+  }
 }
 
 /// One layer's row of taps `dy` to one row of destinations; x counts from the stretch's first pixel.
@@ -96,13 +127,7 @@ HWY_INLINE void add_kernel_row(const FilterShape& shape, const SplatSourcesRow& 
     }
     hn::StoreU(largest, d, to + x);
     hn::StoreU(total, d, to + pitch + x);
-    int64_t c = 0;
-    for (; c + kBlock <= shape.channels; c += kBlock)
-      add_channels<kBlock>(d, shape, weights, v + c * sources.values.pitch() + x, sources.values.pitch(),
-                           rescale, to + (2 + c) * pitch + x, pitch);
-    for (; c < shape.channels; ++c)
-      add_channels<1>(d, shape, weights, v + c * sources.values.pitch() + x, sources.values.pitch(), rescale,
-                      to + (2 + c) * pitch + x, pitch);
+    add_all_channels(d, shape, weights, v + x, sources.values.pitch(), rescale, to + 2 * pitch + x, pitch);
   }
 }
 

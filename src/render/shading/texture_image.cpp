@@ -1,46 +1,31 @@
 #include "render/shading/texture_image.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 
-#include "core/error.h"
-#include "core/shown_text.h"
 #include "core/tone_map.h"
+#include "frame/picture_formats.h"
 
 namespace ld {
 namespace {
 
 constexpr int kMaxSide = 16384;
 
-std::shared_ptr<const TextureImage> read_open(OIIO::ImageInput& input, const std::string& name,
-                                              TextureUse use) {
-  const OIIO::ImageSpec spec = input.spec();
-  if (spec.width < 1 || spec.height < 1 || spec.width > kMaxSide || spec.height > kMaxSide ||
-      spec.nchannels < 1)
-    fail("{}: {} x {} pixels with {} channels; expected 1 to {} a side: make it smaller", name, spec.width,
-         spec.height, spec.nchannels, kMaxSide);
-  const auto channels = static_cast<size_t>(spec.nchannels);
-  std::vector<float> pixels(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) * channels);
-  if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
-    fail("{}: cannot read its pixels: {}", name, one_line(input.geterror()));
-
-  const bool decode =
-      use == TextureUse::colour && spec.format.size() <= 2 && !spec.format.is_floating_point();
+std::shared_ptr<const TextureImage> to_texture(const DecodedPicture& picture, TextureUse use) {
+  const bool decode = use == TextureUse::colour && picture.small_integers;
   const auto number = [&](float x) {
     if (!(x > 0) || !std::isfinite(x)) return 0.0F;
     return decode ? srgb_inverse(x) : x;
   };
   auto image = std::make_shared<TextureImage>();
-  image->width = spec.width;
-  image->height = spec.height;
-  image->texels.resize(pixels.size() / channels);
+  image->width = picture.width;
+  image->height = picture.height;
+  const auto channels = static_cast<size_t>(picture.channels);
+  image->texels.resize(picture.pixels.size() / channels);
   for (size_t i = 0; i < image->texels.size(); ++i) {
-    const float* p = &pixels[i * channels];
+    const float* p = &picture.pixels[i * channels];
     Vec3& texel = image->texels[i];
     if (use == TextureUse::alpha)
-      texel = grey(spec.alpha_channel < 0 ? 1.0F : number(p[spec.alpha_channel]));
+      texel = grey(picture.alpha < 0 ? 1.0F : number(p[picture.alpha]));
     else if (channels < 3)
       texel = grey(number(p[0]));
     else
@@ -70,19 +55,12 @@ Vec3 TextureImage::bilinear(float x, float y, bool clamp_y) const {
 }
 
 std::shared_ptr<const TextureImage> read_texture_image(const std::filesystem::path& path, TextureUse use) {
-  const auto input = OIIO::ImageInput::open(path.string());
-  if (!input) fail("{}: cannot read it as a picture: {}", path.string(), one_line(OIIO::geterror()));
-  return read_open(*input, path.string(), use);
+  return to_texture(picture_formats().read(path, kMaxSide), use);
 }
 
 std::shared_ptr<const TextureImage> decode_texture_image(const std::vector<uint8_t>& bytes,
                                                          const std::string& name, TextureUse use) {
-  OIIO::Filesystem::IOMemReader memory(const_cast<uint8_t*>(bytes.data()), bytes.size());
-  // OpenImageIO recognises formats by extension first; PNG and JPEG are what glTF allows.
-  const bool png = bytes.size() > 1 && bytes[0] == 0x89 && bytes[1] == 'P';
-  const auto input = OIIO::ImageInput::open(png ? "memory.png" : "memory.jpg", nullptr, &memory);
-  if (!input) fail("{}: cannot read it as a PNG or JPEG picture: {}", name, one_line(OIIO::geterror()));
-  return read_open(*input, name, use);
+  return to_texture(picture_formats().decode(bytes, name, kMaxSide), use);
 }
 
 }  // namespace ld

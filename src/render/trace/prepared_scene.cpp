@@ -52,7 +52,7 @@ PreparedScene::PreparedScene(Scene scene) : scene_(std::move(scene)) {
   }
   if (objects.empty()) fail("scene '{}' has neither objects nor lights", scene_.name);
   lights_ = std::make_unique<LightSampler>(scene_);
-  tracer_ = std::make_unique<RayTracer>(objects);
+  tracer_ = RayTracer::build(objects);
 }
 
 void PreparedScene::check() const {

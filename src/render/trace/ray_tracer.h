@@ -1,5 +1,5 @@
-// The nearest hit and the visibility of a ray, by Embree. All that depends on Embree's version is in
-// ray_tracer.cpp.
+// The nearest hit and the visibility of a ray, by Embree, which is in a module (core/module.h): its 44 MB are
+// for who renders, not for who reads a recipe. All that depends on Embree is in embree_module.cpp.
 #pragma once
 
 #include <cstdint>
@@ -26,26 +26,33 @@ struct RecordedRay {
 };
 
 /// Acceleration structure over meshes with their motion while the shutter is open. Immutable once
-/// built, so any number of threads may ask it. Throws Error when Embree fails.
+/// built, so any number of threads may ask it.
 class RayTracer {
  public:
-  explicit RayTracer(const std::vector<const Object*>& objects);
-  ~RayTracer();
+  /// Loads the module at the first call. Throws Error when it is missing or Embree fails.
+  static std::unique_ptr<RayTracer> build(const std::vector<const Object*>& objects);
+  virtual ~RayTracer() = default;
   RayTracer(const RayTracer&) = delete;
   RayTracer& operator=(const RayTracer&) = delete;
 
   /// The nearest hit beyond `nearest`; false when there is none.
-  bool intersect(const Ray& ray, float time, Hit& hit, float nearest = 0) const;
+  virtual bool intersect(const Ray& ray, float time, Hit& hit, float nearest = 0) const = 0;
   /// Whether anything lies between 0 and `distance` (both ends excluded).
-  bool occluded(const Ray& ray, float time, float distance) const;
+  virtual bool occluded(const Ray& ray, float time, float distance) const = 0;
 
   /// Notes every question in `log` until called with nullptr; one thread only may ask meanwhile.
   void record(std::vector<RecordedRay>* log) { log_ = log; }
 
- private:
-  struct Handles;
-  std::unique_ptr<Handles> handles_;
+ protected:
+  RayTracer() = default;
   std::vector<RecordedRay>* log_ = nullptr;
+};
+
+/// What the module gives.
+class RayTracerMaker {
+ public:
+  virtual ~RayTracerMaker() = default;
+  virtual std::unique_ptr<RayTracer> build(const std::vector<const Object*>& objects) const = 0;
 };
 
 }  // namespace ld

@@ -12,4 +12,10 @@ void half_to_float(const uint16_t* half_bits, float* values, size_t count);
 /// To the nearest half float, ties to even; beyond half's range to +-65504. No NaN.
 void float_to_half(const float* values, uint16_t* half_bits, size_t count);
 
+/// Bytes of a chunk of an OpenEXR file from differences of neighbours, plus 128, to what they are.
+void undo_differences(uint8_t* bytes, size_t count);
+
+/// Half floats whose low and high bytes stand apart, to floats; exact.
+void split_half_to_float(const uint8_t* low, const uint8_t* high, float* values, size_t count);
+
 }  // namespace ld
