@@ -24,17 +24,13 @@ inline torch::Tensor composite_alpha(const torch::Tensor& radiance, const torch:
 
 /// The second half of figure 2: kernels from the layers' embeddings and the context [B, C, H, W], eq. 3 and
 /// 4, and the compositor that the partition was made for: eq. 5, or the weighted sum of eq. 6, which is sum
-/// L-bar_l over sum w-bar_l (as printed it would weigh by w twice). Result [B, C, H, W]. `first_row` as in
-/// ops/generated_filter.h.
+/// L-bar_l over sum w-bar_l (as printed it would weigh by w twice). Result [B, C, H, W].
 inline torch::Tensor filter_and_composite(const FullyConnectedWeights& generator, const Partition& layers,
-                                          const torch::Tensor& context, Compositing compositing,
-                                          int64_t first_row = 0) {
+                                          const torch::Tensor& context, Compositing compositing) {
   if (compositing == Compositing::weighted)
-    return generated_splat_joint(generator, layers.embedding, context, layers.log_n, layers.radiance,
-                                 first_row);
-  const torch::Tensor filtered =
-      generated_splat(generator, layers.embedding, context, layers.log_n,
-                      at::cat({layers.radiance, layers.transmittance}, 2), first_row);
+    return generated_splat_joint(generator, layers.embedding, context, layers.log_n, layers.radiance);
+  const torch::Tensor filtered = generated_splat(generator, layers.embedding, context, layers.log_n,
+                                                 at::cat({layers.radiance, layers.transmittance}, 2));
   const int64_t channels = layers.radiance.size(2);
   return composite_alpha(filtered.narrow(2, 0, channels), filtered.narrow(2, channels, 1));
 }

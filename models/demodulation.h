@@ -35,10 +35,8 @@ class Modulation : public torch::nn::Module {
  public:
   explicit Modulation(const NetworkConfig& config);
 
-  /// modulators [B, 4, H, W], context [B, C, H, W] -> A and beta of each pixel, [B, 4, H, W]. Reads kReach
-  /// pixels beyond each.
+  /// modulators [B, 4, H, W], context [B, C, H, W] -> A and beta of each pixel, [B, 4, H, W].
   torch::Tensor factors(const torch::Tensor& modulators, const torch::Tensor& context) const;
-  static constexpr int64_t kReach = 1;
 
   /// filtered [B, 6, H, W], factors [B, 4, H, W] -> o [B, 3, H, W].
   static torch::Tensor apply(const torch::Tensor& filtered, const torch::Tensor& factors);

@@ -1,27 +1,26 @@
 #include "models/exposure.h"
 
 #include "frame/schema.h"
+#include "models/log_luminance.h"
 #include "ops/tone_map_tensor.h"
 
 namespace ld {
 
 using torch::Tensor;
 
-void LogAverage::add(const Tensor& radiance, const Tensor& valid) {
+Tensor exposure_of(const Tensor& radiance, const Tensor& valid) {
   const Tensor light = radiance.detach().to(torch::kFloat64).clamp_min(0);
   const Tensor good = valid.detach().ne(0).squeeze(2).logical_and(light.isfinite().all(2));  // [B, S, H, W]
   const Tensor light_of_samples = luminance(light.select(2, 0), light.select(2, 1), light.select(2, 2))
                                       .masked_fill(good.logical_not(), 0);
   const Tensor mean = (light_of_samples.sum(1) / good.sum(1).clamp_min(1)).cpu().contiguous();  // [B, H, W]
-  const int64_t pixels = mean.size(1) * mean.size(2);
   const double* value = mean.data_ptr<double>();
-  for (LogLuminance& sum : pictures_)
-    for (int64_t p = 0; p < pixels; ++p, ++value) sum.add(*value);
-}
-
-Tensor LogAverage::exposure() const {
-  const Tensor exposure = torch::ones({int64_t(pictures_.size())}, torch::kFloat64);
-  for (size_t b = 0; b < pictures_.size(); ++b) exposure[int64_t(b)] = pictures_[b].exposure();
+  const Tensor exposure = torch::ones({mean.size(0)}, torch::kFloat64);
+  for (int64_t b = 0; b < mean.size(0); ++b) {
+    LogLuminance sum;
+    for (int64_t p = 0; p < mean.size(1) * mean.size(2); ++p) sum.add(*value++);
+    exposure[b] = sum.exposure();
+  }
   return exposure;
 }
 

@@ -1,36 +1,43 @@
 #include "models/network.h"
 
+#include "models/demodulation.h"
+#include "models/exposure.h"
 #include "models/parameters.h"
+#include "models/pixel_mean.h"
 
 namespace ld {
 
-/// Admitted at once: strips that overlap would go through it more than once.
-NetworkInput Network::admit_whole(NetworkInput input) {
+NetworkInput Network::admit(NetworkInput input) {
   check_input(input, config_);
   const torch::Device here = device();
   for (torch::Tensor* t : {&input.features, &input.radiance, &input.valid}) *t = t->to(here);
-  const int64_t height = input.features.size(3);
-  return admit(WholeInput(std::move(input))).rows(0, height);
+  // That of the samples, which their mean no longer has.
+  const torch::Tensor exposure =
+      config_.exposure_normalisation ? exposure_of(input.radiance, input.valid) : torch::Tensor();
+  input = sanitise(std::move(input), faults_);
+  if (config_.means) input = pixel_mean(std::move(input), config_);
+  if (exposure.defined()) input = with_exposure(std::move(input), exposure, config_);
+  if (config_.demodulation != "none") {
+    input.demodulator = demodulator(input.features, config_);
+    input.radiance = demodulated(input.radiance, input.demodulator);
+  }
+  return input;
 }
 
 torch::Tensor Network::forward(NetworkInput input) {
-  input = admit_whole(std::move(input));
-  const double largest =
-      at::GradMode::is_enabled() ? input.radiance.detach().max().item<double>() : 0;  // finite now
-  torch::Tensor output = denoise(WholeInput(std::move(input)));
-  if (largest > 1e15 && output.requires_grad()) {
+  input = admit(std::move(input));
+  torch::Tensor output = denoise(input);
+  if (!output.requires_grad()) return output;
+  const double largest = input.radiance.detach().max().item<double>();  // finite now
+  if (largest > 1e15) {
     const double bound = 1e30 / largest;
     output.register_hook([bound](const torch::Tensor& gradient) { return gradient.clamp(-bound, bound); });
   }
   return output;
 }
 
-torch::Tensor Network::forward(const InputSource& input) {
-  return denoise(admit(input));
-}
-
 Kernels Network::kernels(NetworkInput input) {
-  return make_kernels(WholeInput(admit_whole(std::move(input))));
+  return make_kernels(admit(std::move(input)));
 }
 
 std::shared_ptr<Network> make_network_shapes(const NetworkConfig& config) {

@@ -29,19 +29,15 @@ class Network : public torch::nn::Module {
 
   /// Any H and W from 1, any number of samples from 1. A pixel without valid samples sends nothing and
   /// receives from its neighbours; where nothing is in reach the result is 0. Throws Error when a shape does
-  /// not fit the configuration. Hand the input over with std::move where it is not needed any more: its
-  /// memory is then free as soon as the network has read it. An input on another device is taken to that of
-  /// the weights, where the result is.
+  /// not fit the configuration. Hand the input over with std::move where it is not needed any more: what is
+  /// made of it then takes its place. An input on another device is taken to that of the weights, where the
+  /// result is.
   ///
   /// Differentiable. Where radiance exceeds 1e15, the gradient of the result is bounded so that its product
   /// with the radiance, which is what reaches the kernels, stays below 1e30: sums of larger ones overflow.
   torch::Tensor forward(NetworkInput input);
 
-  /// The same of an input that comes in strips. Without a gradient to keep, nothing of full resolution exists
-  /// for the whole picture but the result (and what keeping makes faster, models/row_strips.h).
-  torch::Tensor forward(const InputSource& input);
-
-  /// The kernels that forward() of a small picture would apply, all at once.
+  /// The kernels that forward() of a small picture would apply.
   Kernels kernels(NetworkInput input);
 
   /// What was wrong with the input of the last call.
@@ -52,21 +48,18 @@ class Network : public torch::nn::Module {
   /// Where the weights are.
   torch::Device device() const { return parameters().front().device(); }
 
-  /// What forward() of an InputSource takes for float32 pictures of this size, in strips of StripBytes: its
-  /// largest sum of tensors at a time, the result included; an estimate from above.
-  virtual int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const = 0;
-
   /// Of a network of several resolutions: sets biases so that it begins with the full one.
   virtual void begin_sharp() {}
 
- protected:
-  /// The input checked and made safe: every way into a network leads through here.
-  AdmittedInput admit(const InputSource& input) { return {input, config_, faults_}; }
-  NetworkInput admit_whole(NetworkInput input);
-
  private:
-  virtual torch::Tensor denoise(const InputSource& input) = 0;
-  virtual Kernels make_kernels(const InputSource& input) = 0;
+  /// The input checked, sanitised and at the device of the weights, its samples averaged, its exposure
+  /// normalised and its radiance demodulated where the configuration says so. Every way into a network leads
+  /// through here.
+  NetworkInput admit(NetworkInput input);
+
+  /// Of an admitted input.
+  virtual torch::Tensor denoise(const NetworkInput& input) = 0;
+  virtual Kernels make_kernels(const NetworkInput& input) = 0;
 
   NetworkConfig config_;
   InputFaults faults_;

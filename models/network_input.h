@@ -28,55 +28,8 @@ struct InputFaults {
 /// Throws Error when a shape or type does not fit the configuration, or when there is no sample at all.
 void check_input(const NetworkInput& input, const NetworkConfig& config);
 
-/// The input with its faults removed; `faults` receives their numbers, those of the first `uncounted_rows`
-/// rows left out. Differentiable. An input without faults is returned as it is and costs two reductions.
-NetworkInput sanitise(NetworkInput input, InputFaults& faults, int64_t uncounted_rows = 0);
-
-/// Input that is handed out in strips of rows, which may overlap and come more than once: a large frame need
-/// never exist in the form of NetworkInput as a whole.
-class InputSource {
- public:
-  struct Sizes {
-    int64_t batch, samples, height, width;
-    int64_t element_bytes;  // 4 for float32, 8 for float64
-  };
-  virtual ~InputSource() = default;
-  virtual Sizes sizes() const = 0;
-  /// Rows [begin, end) of every tensor of the input.
-  virtual NetworkInput rows(int64_t begin, int64_t end) const = 0;
-  /// The same, for callers that need radiance and validity alone; features may be undefined.
-  virtual NetworkInput radiance_rows(int64_t begin, int64_t end) const { return rows(begin, end); }
-};
-
-/// An input that exists as a whole.
-class WholeInput : public InputSource {
- public:
-  explicit WholeInput(NetworkInput input) : input_(std::move(input)) {}
-  Sizes sizes() const override;
-  NetworkInput rows(int64_t begin, int64_t end) const override;
-
- private:
-  NetworkInput input_;
-};
-
-/// A source as networks admit it: each strip checked and sanitised, its samples averaged, its exposure
-/// normalised and its radiance demodulated where the configuration says so. `faults` receives what was wrong,
-/// each row counted once provided that rows are first asked for from top to bottom.
-class AdmittedInput : public InputSource {
- public:
-  /// Throws Error when there is no sample or pixel.
-  AdmittedInput(const InputSource& source, const NetworkConfig& config, InputFaults& faults);
-  /// With NetworkConfig::means, rows() have one sample whatever this says: it is what the source holds at a
-  /// time.
-  Sizes sizes() const override { return source_.sizes(); }
-  NetworkInput rows(int64_t begin, int64_t end) const override;
-
- private:
-  const InputSource& source_;
-  const NetworkConfig& config_;
-  InputFaults& faults_;
-  mutable int64_t counted_rows_ = 0;
-  torch::Tensor exposure_;  // [B]; undefined without normalisation
-};
+/// The input with its faults removed, whose numbers `faults` receives. Differentiable. An input without
+/// faults is returned as it is and costs two reductions.
+NetworkInput sanitise(NetworkInput input, InputFaults& faults);
 
 }  // namespace ld

@@ -12,12 +12,6 @@ namespace ld {
 struct PyramidLevel {
   Partition layers;      // ratios and log n as in ops/partition.h; E_l is the mean over pixels with samples
   torch::Tensor pixels;  // [B, 1, H, W] how many pixels of full resolution with samples lie in this one
-
-  friend std::vector<torch::Tensor*> tensors_of(PyramidLevel& level) {
-    std::vector<torch::Tensor*> tensors = tensors_of(level.layers);
-    tensors.push_back(&level.pixels);
-    return tensors;
-  }
 };
 
 /// The layers at full resolution, 1/2, 1/4, ...; level i has ceil(H / 2^i) x ceil(W / 2^i) pixels. Four

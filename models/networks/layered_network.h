@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "models/kernel_generator.h"
 #include "models/networks/context_network.h"
@@ -18,28 +17,12 @@ class LayeredNetwork : public ContextNetwork {
         sample_partitioner_(
             register_module("sample_partitioner", std::make_shared<SamplePartitioner>(config))) {}
 
-  /// The layers of some rows.
-  struct Layers {
-    torch::Tensor context;  // C_xy
-    Partition partition;
-    torch::Tensor modulators;  // undefined without demodulation
+  /// Partitioner and partition, from E_xys and C_xy.
+  Partition make_layers(const NetworkInput& input, const torch::Tensor& embedding,
+                        const torch::Tensor& context) const;
 
-    friend std::vector<torch::Tensor*> tensors_of(Layers& layers) {
-      std::vector<torch::Tensor*> tensors = tensors_of(layers.partition);
-      tensors.insert(tensors.end(), {&layers.context, &layers.modulators});
-      return tensors;
-    }
-  };
-
-  /// Partitioner and partition of rows [begin, end).
-  Layers make_layers(const InputSource& input, const SampleEmbeddings& embeddings, const Context& context,
-                     int64_t begin, int64_t end) const;
-
-  /// The kernels of a whole picture's layers.
-  Kernels kernels_of_layers(const InputSource& input, const KernelGenerator& generator) const;
-
-  /// Memory of a row of layers, held from one strip to the next, and of a row of samples on the way there.
-  int64_t layers_row_bytes(const PictureSize& size) const;
+  /// The kernels of the layers of full resolution.
+  Kernels kernels_of_layers(const NetworkInput& input, const KernelGenerator& generator) const;
 
   Compositing compositing() const {
     return config().compositing == "weighted" ? Compositing::weighted : Compositing::alpha;

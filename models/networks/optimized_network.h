@@ -19,20 +19,15 @@ class OptimizedNetwork : public LayeredNetwork {
  public:
   explicit OptimizedNetwork(const NetworkConfig& config);
 
-  int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const override;
-
   /// lambda_0 = e^3 / (e^3 + levels - 1), whatever the picture.
   void begin_sharp() override;
 
  private:
-  struct Levels;  // what the levels come to, each at its resolution
-
-  torch::Tensor denoise(const InputSource& input) override;
-  Kernels make_kernels(const InputSource& input) override;
-  Levels filter_levels(const InputSource& input) const;
-  torch::Tensor blend_rows(const Levels& levels, int64_t begin, int64_t end, int64_t width) const;
-  torch::Tensor upscale(const torch::Tensor& coarse, int64_t level, int64_t begin, int64_t end,
-                        int64_t width) const;
+  torch::Tensor denoise(const NetworkInput& input) override;
+  Kernels make_kernels(const NetworkInput& input) override;
+  torch::Tensor blended(const torch::Tensor& logits, const std::vector<torch::Tensor>& pictures,
+                        const std::vector<torch::Tensor>& received) const;
+  torch::Tensor upscale(const torch::Tensor& coarse, int64_t level, const torch::Tensor& fine) const;
   torch::Tensor received(const torch::Tensor& pixels) const;
 
   std::vector<std::shared_ptr<KernelGenerator>> kernel_generators_;  // finest first

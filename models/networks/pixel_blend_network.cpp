@@ -25,7 +25,7 @@ class PixelBlendNetwork : public PixelNetwork {
                          LastLayer::linear))) {}
 
  private:
-  Tensor filter(const Pixels& pixels, int64_t /*first_row*/) const override {
+  Tensor filter(const Pixels& pixels) const override {
     // A kernel generator that sees two zeros and has the kernel in its biases.
     const Tensor bias = gaussian(pixels), nothing = at::zeros_like(pixels.log_n);
     const FullyConnectedWeights generator = {{at::zeros({bias.size(0), 2}, bias.options())}, {bias}};

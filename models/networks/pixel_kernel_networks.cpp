@@ -31,7 +31,7 @@ class PixelGatherNetwork : public PixelKernelNetwork {
   explicit PixelGatherNetwork(const NetworkConfig& config) : PixelKernelNetwork(config) {}
 
  private:
-  Tensor filter(const Pixels& pixels, int64_t /*first_row*/) const override {
+  Tensor filter(const Pixels& pixels) const override {
     return generated_gather(kernel_generator_->kernels(), pixels.embedding, pixels.context,
                             pixels.log_n.squeeze(1), pixels.radiance);
   }
@@ -44,9 +44,9 @@ class PixelSplatNetwork : public PixelKernelNetwork {
   explicit PixelSplatNetwork(const NetworkConfig& config) : PixelKernelNetwork(config) {}
 
  private:
-  Tensor filter(const Pixels& pixels, int64_t first_row) const override {
+  Tensor filter(const Pixels& pixels) const override {
     return generated_splat(kernel_generator_->kernels(), pixels.embedding, pixels.context, pixels.log_n,
-                           pixels.radiance.unsqueeze(1), first_row)
+                           pixels.radiance.unsqueeze(1))
         .squeeze(1);
   }
 };

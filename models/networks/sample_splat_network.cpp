@@ -3,6 +3,7 @@
 #include "models/networks/registry.h"
 #include "ops/expect_tensor.h"
 #include "ops/generated_filter.h"
+#include "ops/weighted_sum.h"
 
 namespace ld {
 
@@ -20,20 +21,10 @@ Tensor with_valid_features(const Tensor& features, const Tensor& valid) {
   return features.gather(1, at::where(drawn, own, first).expand(features.sizes()));
 }
 
-/// The input with those.
-class ValidFeatures : public InputSource {
- public:
-  explicit ValidFeatures(const InputSource& input) : input_(input) {}
-  Sizes sizes() const override { return input_.sizes(); }
-  NetworkInput rows(int64_t begin, int64_t end) const override {
-    NetworkInput strip = input_.rows(begin, end);
-    strip.features = with_valid_features(strip.features, strip.valid);
-    return strip;
-  }
-
- private:
-  const InputSource& input_;
-};
+/// 0, or -inf for a sample that is not valid, [B, S, H, W].
+Tensor log_weights(const Tensor& valid) {
+  return at::zeros_like(valid).masked_fill(valid.eq(0), -kInfinity).squeeze(2);
+}
 
 }  // namespace
 
@@ -42,60 +33,21 @@ SampleSplatNetwork::SampleSplatNetwork(const NetworkConfig& config)
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
-namespace {
-
-/// 0, or -inf for a sample that is not valid, [B, S, H, W].
-Tensor log_weights(const Tensor& valid) {
-  return at::zeros_like(valid).masked_fill(valid.eq(0), -kInfinity).squeeze(2);
+Tensor SampleSplatNetwork::denoise(const NetworkInput& input) {
+  const Tensor features = with_valid_features(input.features, input.valid);
+  const Tensor embedding = sample_reducer_->forward(features);                 // E_xys
+  const Tensor context = unet_->forward(masked_mean(embedding, input.valid));  // C_xy
+  const Tensor log_n = weighed(log_weights(input.valid), embedding, context);
+  const Tensor filtered =
+      generated_splat_joint(kernel_generator_->kernels(), embedding, context, log_n, input.radiance);
+  return modulated(filtered, input, context);
 }
 
-}  // namespace
-
-Kernels SampleSplatNetwork::make_kernels(const InputSource& given) {
-  const ValidFeatures input(given);
-  const int64_t height = input.sizes().height;
-  const SampleEmbeddings embeddings(*sample_reducer_, input);
-  const Context context =
-      make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
-  const NetworkInput whole = input.rows(0, height);
-  const Tensor embedding = embeddings.of_rows(whole, 0, height), c = context_rows(context, 0, height);
-  return {kernel_generator_->logits(embedding, c), weighed(log_weights(whole.valid), embedding, c)};
-}
-
-Tensor SampleSplatNetwork::denoise(const InputSource& given) {
-  const ValidFeatures input(given);
-  const SampleEmbeddings embeddings(*sample_reducer_, input);  // E_xys
-  const Context context =
-      make_context([&](int64_t begin, int64_t end) { return embeddings.mean(begin, end); }, input, 1);
-  const InputSource::Sizes sizes = input.sizes();
-  const PictureSize size = {sizes.batch, sizes.height, sizes.width};
-  return in_reaching_strips(
-      size.height, second_half_rows(size, row_bytes(size, sizes.samples)), filter_reach(),
-      [&](int64_t begin, int64_t end) {
-        return context_rows(context, begin, end);  // C_xy
-      },
-      [&](const Tensor& made, int64_t first, int64_t begin, int64_t end) {
-        const int64_t last = first + made.size(2);
-        NetworkInput strip = input.rows(first, last);
-        const Tensor embedding = embeddings.of_rows(strip, first, last);
-        strip.features = Tensor();
-        const Tensor log_n = weighed(log_weights(strip.valid), embedding, made);
-        const Tensor filtered = generated_splat_joint(kernel_generator_->kernels(), embedding, made, log_n,
-                                                      strip.radiance, first);
-        const Tensor picture = modulated(filtered, modulators_of(strip), made);
-        return rows(picture, begin - first, end - first);
-      });
-}
-
-int64_t SampleSplatNetwork::row_bytes(const PictureSize& size, int64_t samples) const {
-  const int64_t of_sample = int64_t{2} * (channel_count(config().features) + 4) +
-                            config().sample_reducer.back() + 8 + 3 * (radiance_channels() - 3);
-  return size.batch * (2 * config().unet.context + samples * of_sample) * size.width * int64_t(sizeof(float));
-}
-
-int64_t SampleSplatNetwork::memory_bytes(int64_t samples, int64_t height, int64_t width) const {
-  const PictureSize size = {1, height, width};
-  return memory_of(size, 1, row_bytes(size, samples), 3 * height * width * int64_t(sizeof(float)));
+Kernels SampleSplatNetwork::make_kernels(const NetworkInput& input) {
+  const Tensor embedding = sample_reducer_->forward(with_valid_features(input.features, input.valid));
+  const Tensor context = unet_->forward(masked_mean(embedding, input.valid));
+  return {kernel_generator_->logits(embedding, context),
+          weighed(log_weights(input.valid), embedding, context)};
 }
 
 std::shared_ptr<Network> make_sample_splat_network(const NetworkConfig& config) {

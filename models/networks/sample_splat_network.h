@@ -14,12 +14,9 @@ class SampleSplatNetwork : public ContextNetwork {
  public:
   explicit SampleSplatNetwork(const NetworkConfig& config);
 
-  int64_t memory_bytes(int64_t samples, int64_t height, int64_t width) const override;
-
  private:
-  torch::Tensor denoise(const InputSource& input) override;
-  Kernels make_kernels(const InputSource& input) override;
-  int64_t row_bytes(const PictureSize& size, int64_t samples) const;
+  torch::Tensor denoise(const NetworkInput& input) override;
+  Kernels make_kernels(const NetworkInput& input) override;
 
   std::shared_ptr<KernelGenerator> kernel_generator_;
 };

@@ -42,11 +42,7 @@ NetworkStages stages_of(const BenchSizes& sizes, const std::string& name, int re
   std::vector<double> reducing, context_making, partitioning, all;
   for (int i = 0; i <= repeats; ++i) {  // the first is the warm-up
     Tensor embedding, context;
-    // Without gradients the networks make the embeddings twice, for the mean and for the layers, instead of
-    // keeping them (models/sample_embeddings.h).
-    double reducer_ms = 0;
-    for (int pass = 0; pass < 2; ++pass)
-      reducer_ms += time_ms([&] { embedding = reducer.forward(input.features); });
+    const double reducer_ms = time_ms([&] { embedding = reducer.forward(input.features); });
     const double unet_ms = time_ms([&] { context = unet.forward(masked_mean(embedding, input.valid)); });
     const double partition_ms = time_ms([&] {
       partition(partitioner.forward(embedding, context), input.valid, input.radiance, embedding,

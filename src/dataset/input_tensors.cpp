@@ -11,34 +11,29 @@
 namespace ld {
 namespace {
 
-void check_frame(const Frame& frame) {
-  if (!(frame.info.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
-}
-
-/// Rows of a frame encoded into sample planes of `spp` samples; on all threads. `features` may be null.
-void encode_rows(const Frame& frame, const std::vector<std::string>& names, int64_t begin, int64_t end,
-                 float* features, float* radiance, float* valid) {
+/// A frame encoded into sample planes; on all threads.
+void encode_frame(const Frame& frame, const std::vector<std::string>& names, float* features, float* radiance,
+                  float* valid) {
   std::vector<std::pair<const Feature*, int>> channels;  // of the network, and their places in the frame
   for (const std::string& name : names)
     for (int c = 0; c < find_feature(name).channels; ++c)
       channels.emplace_back(&find_feature(name), find_feature(name).offset + c);
-  const int64_t offset = begin * frame.width, pixels = (end - begin) * frame.width,
-                count = features == nullptr ? 0 : int64_t(channels.size());
+  const auto pixels = int64_t(frame.plane_size()), count = int64_t(channels.size());
   const int64_t planes = count + 4;
   at::parallel_for(0, frame.spp * planes, 1, [&](int64_t first, int64_t last) {
     for (int64_t i = first; i < last; ++i) {
       const auto s = int(i / planes);
       const int64_t plane = i % planes;
-      const uint8_t* drawn = frame.valid_plane(s) + offset;
+      const uint8_t* drawn = frame.valid_plane(s);
       if (plane < count) {
         const auto& [feature, channel] = channels[size_t(plane)];
         float* out = features + (s * count + plane) * pixels;
-        encode(*feature, frame.info.depth_scale, frame.plane(s, channel) + offset, out, size_t(pixels));
+        encode(*feature, frame.info.depth_scale, frame.plane(s, channel), out, size_t(pixels));
         for (int64_t p = 0; p < pixels; ++p)
           if (drawn[p] == 0) out[p] = 0;
       } else if (plane < count + 3) {
         const auto c = int(plane - count);
-        std::copy_n(frame.plane(s, kRadianceOffset + c) + offset, pixels, radiance + (s * 3 + c) * pixels);
+        std::copy_n(frame.plane(s, kRadianceOffset + c), pixels, radiance + (s * 3 + c) * pixels);
       } else {
         std::copy_n(drawn, pixels, valid + s * pixels);
       }
@@ -56,7 +51,7 @@ NetworkInput make_network_input(const std::vector<Frame>& frames, const std::vec
     if (frame.width != width || frame.height != height)
       fail("frames of one batch must have one size, found {}x{} and {}x{}", width, height, frame.width,
            frame.height);
-    check_frame(frame);
+    if (!(frame.info.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
     spp = std::max(spp, frame.spp);
   }
   if (spp == 0) fail("a frame without samples cannot enter a sample network; render at 1 spp or more");
@@ -67,40 +62,9 @@ NetworkInput make_network_input(const std::vector<Frame>& frames, const std::vec
   input.radiance = torch::zeros({batch, spp, 3, height, width});
   input.valid = torch::zeros({batch, spp, 1, height, width});
   for (int64_t b = 0; b < batch; ++b)
-    encode_rows(frames[size_t(b)], features, 0, height, input.features[b].data_ptr<float>(),
-                input.radiance[b].data_ptr<float>(), input.valid[b].data_ptr<float>());
+    encode_frame(frames[size_t(b)], features, input.features[b].data_ptr<float>(),
+                 input.radiance[b].data_ptr<float>(), input.valid[b].data_ptr<float>());
   return input;
-}
-
-FrameInput::FrameInput(const Frame& frame, const std::vector<std::string>& features)
-    : frame_(frame), features_(features) {
-  if (frame.spp == 0 || frame.plane_size() == 0)
-    fail("a frame without samples cannot enter a sample network; render at 1 spp or more");
-  check_frame(frame);
-}
-
-InputSource::Sizes FrameInput::sizes() const {
-  return {1, frame_.spp, frame_.height, frame_.width, int64_t(sizeof(float))};
-}
-
-NetworkInput FrameInput::rows(int64_t begin, int64_t end) const {
-  NetworkInput strip = {
-      torch::empty({1, frame_.spp, channel_count(features_), end - begin, frame_.width}),
-      torch::empty({1, frame_.spp, 3, end - begin, frame_.width}),
-      torch::empty({1, frame_.spp, 1, end - begin, frame_.width}),
-  };
-  encode_rows(frame_, features_, begin, end, strip.features.data_ptr<float>(),
-              strip.radiance.data_ptr<float>(), strip.valid.data_ptr<float>());
-  return strip;
-}
-
-NetworkInput FrameInput::radiance_rows(int64_t begin, int64_t end) const {
-  NetworkInput strip = {{},
-                        torch::empty({1, frame_.spp, 3, end - begin, frame_.width}),
-                        torch::empty({1, frame_.spp, 1, end - begin, frame_.width})};
-  encode_rows(frame_, features_, begin, end, nullptr, strip.radiance.data_ptr<float>(),
-              strip.valid.data_ptr<float>());
-  return strip;
 }
 
 Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::string>& features,

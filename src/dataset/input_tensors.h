@@ -19,20 +19,6 @@ namespace ld {
 /// is no sample.
 NetworkInput make_network_input(const std::vector<Frame>& frames, const std::vector<std::string>& features);
 
-/// A frame as networks read it, encoded as its rows are asked for. The frame must outlive it.
-class FrameInput : public InputSource {
- public:
-  /// Throws Error for a frame without samples, pixels or depth scale.
-  FrameInput(const Frame& frame, const std::vector<std::string>& features);
-  Sizes sizes() const override;
-  NetworkInput rows(int64_t begin, int64_t end) const override;
-  NetworkInput radiance_rows(int64_t begin, int64_t end) const override;
-
- private:
-  const Frame& frame_;
-  std::vector<std::string> features_;
-};
-
 /// B clips of T frames, folded: [B T, ...], clip after clip, the frames of each in their order. So a network
 /// that keeps nothing from frame to frame trains on clips as on so many single frames.
 struct Batch {

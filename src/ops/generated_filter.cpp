@@ -124,7 +124,7 @@ struct FusedFilter {
   }
 };
 
-Tensor fused_splat(const FusedFilter& filter, bool joint, int64_t first_row) {
+Tensor fused_splat(const FusedFilter& filter, bool joint) {
   const FilterShape& shape = filter.shape;
   const Tensor out = filter.empty((joint ? 1 : shape.layers) * shape.channels);
   const Pictures<float> o(out);
@@ -133,12 +133,10 @@ Tensor fused_splat(const FusedFilter& filter, bool joint, int64_t first_row) {
       generate(b, at, row.logits);
     };
   };
-  run_splat(
-      shape, joint, out.size(0), {Pictures<float>(filter.log_n), Pictures<float>(filter.values)}, make_stage,
-      [&](int64_t b) {
-        return SplatResult{o[b], nullptr, nullptr, shape.plane()};
-      },
-      first_row);
+  run_splat(shape, joint, out.size(0), {Pictures<float>(filter.log_n), Pictures<float>(filter.values)},
+            make_stage, [&](int64_t b) {
+              return SplatResult{o[b], nullptr, nullptr, shape.plane()};
+            });
   return unscaled(joint ? out : out.view(filter.values.sizes()), filter.sources);
 }
 
@@ -153,14 +151,14 @@ Tensor fused_gather(const FusedFilter& filter) {
 }  // namespace
 
 Tensor generated_splat(const FullyConnectedWeights& generator, const Tensor& x, const Tensor& shared,
-                       const Tensor& log_n, const Tensor& values, int64_t first_row) {
-  if (runs_fused(x)) return fused_splat({generator, x, shared, log_n, values}, /*joint=*/false, first_row);
+                       const Tensor& log_n, const Tensor& values) {
+  if (runs_fused(x)) return fused_splat({generator, x, shared, log_n, values}, /*joint=*/false);
   return in_strips(generator, x, shared, log_n, values, kernel_splat);
 }
 
 Tensor generated_splat_joint(const FullyConnectedWeights& generator, const Tensor& x, const Tensor& shared,
-                             const Tensor& log_n, const Tensor& values, int64_t first_row) {
-  if (runs_fused(x)) return fused_splat({generator, x, shared, log_n, values}, /*joint=*/true, first_row);
+                             const Tensor& log_n, const Tensor& values) {
+  if (runs_fused(x)) return fused_splat({generator, x, shared, log_n, values}, /*joint=*/true);
   return in_strips(generator, x, shared, log_n, values, kernel_splat_joint);
 }
 

@@ -12,16 +12,12 @@ namespace ld {
 /// keep, the K*K logits exist for a few hundred pixels at a time only (2.4 GB a layer at 1920x1080 with 17x17
 /// taps otherwise). log_n, values and result as in ops/kernel_splat.h and ops/kernel_gather.h (there N = 1: x
 /// [B, 1, X, H, W]).
-///
-/// Sums are made in groups of rows: a picture that is a strip of a larger one gives the bits of the larger
-/// one when `first_row` says which row of it the strip begins with (and the strip reaches a kernel's radius
-/// beyond the rows that count).
 torch::Tensor generated_splat(const FullyConnectedWeights& generator, const torch::Tensor& x,
                               const torch::Tensor& shared, const torch::Tensor& log_n,
-                              const torch::Tensor& values, int64_t first_row = 0);
+                              const torch::Tensor& values);
 torch::Tensor generated_splat_joint(const FullyConnectedWeights& generator, const torch::Tensor& x,
                                     const torch::Tensor& shared, const torch::Tensor& log_n,
-                                    const torch::Tensor& values, int64_t first_row = 0);
+                                    const torch::Tensor& values);
 torch::Tensor generated_gather(const FullyConnectedWeights& generator, const torch::Tensor& x,
                                const torch::Tensor& shared, const torch::Tensor& log_n,
                                const torch::Tensor& values);

@@ -4,8 +4,6 @@
 
 #include <torch/torch.h>
 
-#include <vector>
-
 namespace ld {
 
 /// How the layers become one picture ([MH20] section 3): front to back by their opacity (eq. 4 and 5), or as
@@ -27,11 +25,6 @@ struct Partition {
                                 //                  undefined for the weighted compositor
   torch::Tensor embedding;      // [B, N, E, H, W]  E_l, not divided by n_l
 };
-
-/// For those who do to each tensor the same.
-inline std::vector<torch::Tensor*> tensors_of(Partition& p) {
-  return {&p.log_n, &p.radiance, &p.opacity, &p.transmittance, &p.embedding};
-}
 
 /// logits [B, S, N, H, W], valid [B, S, 1, H, W] (0 or not), radiance [B, S, C, H, W] (C = 3, or more where
 /// the light is filtered in several forms), embedding [B, S, E, H, W], all of one floating type. A sample

@@ -41,22 +41,19 @@ void for_each_stretch(const FilterShape& shape, int64_t pixels, int64_t first, i
 }
 
 /// `make_stage()` gives each thread a function (picture, stretch, sources) that writes the stretch's logits;
-/// result(b) says where picture b's results go. The picture's first row counts as row `first_row`: strips
-/// begin at its multiples of kStripRows.
+/// result(b) says where picture b's results go.
 template <class MakeStage, class Result>
 void run_splat(const FilterShape& shape, bool joint, int64_t batch, const SplatInput& input,
-               const MakeStage& make_stage, const Result& result, int64_t first_row = 0) {
-  const int64_t above = first_row % kStripRows;  // rows of the first strip that are not there
-  const int64_t strips = (above + shape.height + kStripRows - 1) / kStripRows;
+               const MakeStage& make_stage, const Result& result) {
+  const int64_t strips = (shape.height + kStripRows - 1) / kStripRows;
   const int64_t pixels = stretch_pixels(shape.layers * shape.taps(), shape.width);
   std::vector<std::unique_ptr<SplatStrip>> memory(size_t(batch * strips));
   at::parallel_for(0, batch * strips, 1, [&](int64_t begin, int64_t end) {
     SplatSourcesRow sources(shape, pixels);
     auto stage_logits = make_stage();
     for (int64_t i = begin; i < end; ++i) {
-      const int64_t b = i / strips, whole_first = i % strips * kStripRows - above;
-      const int64_t first = std::max<int64_t>(whole_first, 0),
-                    last = std::min(whole_first + kStripRows, shape.height);
+      const int64_t b = i / strips, first = i % strips * kStripRows,
+                    last = std::min(first + kStripRows, shape.height);
       auto strip = std::make_unique<SplatStrip>(shape, joint, first, last);
       for_each_stretch(shape, pixels, first, last, [&](const Stretch& at) {
         stage_logits(b, at, sources);

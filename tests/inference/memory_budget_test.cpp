@@ -1,26 +1,23 @@
 // What a memory budget changes: nothing but the memory.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <regex>
 
-#include "dataset/input_tensors.h"
 #include "inference/denoiser.h"
-#include "models/row_strips.h"
+#include "runtime/executor.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 #include "weights/model_file.h"
+#include "weights/network_weights.h"
 
 namespace ld {
 namespace {
 
-using torch::Tensor;
-
-/// Every network, with kernels that reach over strips and a U-net of three resolutions.
-std::vector<NetworkConfig> strip_configs() {
+/// Every network, with kernels that reach over blocks of rows and a U-net of three resolutions.
+std::vector<NetworkConfig> reaching_configs() {
   std::vector<NetworkConfig> configs = every_config();
   for (NetworkConfig& config : configs) {
     config.kernel_size = 7;
@@ -39,44 +36,28 @@ Frame some_frame(int width, int height, int spp) {
   return frame;
 }
 
-double relative_difference(const Tensor& found, const Tensor& expected) {
-  return ((found - expected).abs() / expected.abs().max()).max().item<double>();
-}
-
-TEST(MemoryBudget, StripsOfAnyHeightGiveThePictureOnOddSizes) {
-  const c10::InferenceMode no_graph;
-  for (const NetworkConfig& config : strip_configs()) {
-    const auto network = small_network(config, torch::kFloat32);
+TEST(MemoryBudget, AnyGivesTheSameBitsOnOddSizes) {
+  for (const NetworkConfig& config : reaching_configs()) {
+    const TemporaryFolder folder;
+    save_model(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
+    const Denoiser denoiser(folder / "model.safetensors");
+    const NetworkWeights network = read_network(folder / "model.safetensors");
     for (const auto& [width, height, spp] : {std::tuple{37, 53, 2}, {129, 65, 1}, {1, 1, 1}, {3, 150, 3}}) {
       const Frame frame = some_frame(width, height, spp);
-      const FrameInput input(frame, config.features);
-      const Tensor whole = network->forward(make_network_input({frame}, config.features));
-      for (const int64_t bytes : {int64_t{1}, int64_t{200} << 10, int64_t{1} << 30}) {
-        const StripBytes strips(bytes);
-        EXPECT_LE(relative_difference(network->forward(input), whole), 1e-5)
-            << title(config) << ", " << width << "x" << height << ", strips of " << bytes;
+      const Image expected = denoiser.denoise(frame);
+      for (const int64_t rows : {1, 3, 8, 1000}) {
+        Execution execution(network.graph, network.weights, {spp, height, width}, {1, rows});
+        EXPECT_EQ(execution.run(frame)[0].pixels, expected.pixels)
+            << title(config) << ", " << width << "x" << height << ", " << rows << " rows at a time";
       }
     }
   }
 }
 
-TEST(MemoryBudget, CountsFaultsOfEachRowOnce) {
-  const NetworkConfig config = strip_configs()[0];
-  const auto network = small_network(config, torch::kFloat32);
-  Frame frame = random_frame(9, 90, 2, 3);
-  for (const int row : {0, 15, 16, 40, 89}) frame.plane(1, 3)[size_t(row) * 9] = std::nanf("");
-  frame.plane(0, 0)[500] = -1;
-  const c10::InferenceMode no_graph;
-  const StripBytes tiny(1);
-  network->forward(FrameInput(frame, config.features));
-  EXPECT_EQ(network->faults().not_finite, 5);
-  EXPECT_EQ(network->faults().negative, 1);
-}
-
 class Budget : public ::testing::Test {
  protected:
   void SetUp() override {
-    NetworkConfig config = strip_configs()[0];
+    NetworkConfig config = reaching_configs()[0];
     config.unet.context = 64;
     save_model(folder_ / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
   }
@@ -98,8 +79,7 @@ TEST_F(Budget, OneThatIsTooSmallNamesTheSmallestThatWillDo) {
   ASSERT_TRUE(std::regex_search(text, smallest, std::regex("smallest is ([0-9]+) MB"))) << text;
   for (const int64_t more : {2, 20, 2000}) {
     options.max_memory_bytes = (std::stoll(smallest[1]) + more) << 20;
-    const Image image = denoiser.denoise(frame, options);
-    EXPECT_EQ(image.pixels, unlimited.pixels);
+    EXPECT_EQ(denoiser.denoise(frame, options).pixels, unlimited.pixels) << more;
   }
 }
 

@@ -14,12 +14,6 @@ namespace {
 
 using torch::Tensor;
 
-Tensor exposure_of(const Tensor& radiance, const Tensor& valid) {
-  LogAverage average(radiance.size(0));
-  average.add(radiance, valid);
-  return average.exposure();
-}
-
 Tensor all_valid(const Tensor& radiance) {
   return torch::ones({radiance.size(0), radiance.size(1), 1, radiance.size(3), radiance.size(4)},
                      radiance.options());
@@ -60,16 +54,6 @@ TEST(Exposure, FollowsAPowerOfTwoBitForBitAndAnyFactorToRounding) {
     const Tensor scaled = exposure_of((radiance.to(torch::kFloat64) * factor), valid);
     EXPECT_LE(((scaled * factor - exposure) / exposure).abs().max().item<double>(), 1e-12) << factor;
   }
-}
-
-TEST(Exposure, DoesNotDependOnStrips) {
-  const Tensor radiance = some_radiance(), valid = all_valid(radiance);
-  LogAverage average(2);
-  for (int64_t row = 0; row < 16; row += 5) {
-    const int64_t rows = std::min<int64_t>(5, 16 - row);
-    average.add(radiance.narrow(3, row, rows), valid.narrow(3, row, rows));
-  }
-  EXPECT_TRUE(average.exposure().equal(exposure_of(radiance, valid)));
 }
 
 TEST(Exposure, IsNotDecidedByAFireflyNorByDarkness) {

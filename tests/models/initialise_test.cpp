@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "models/networks/layer_network.h"
 #include "tests/models/small_network.h"
 
 namespace ld {
@@ -32,17 +31,19 @@ TEST(Initialise, HeKeepsTheSizeOfActivations) {
   }
 }
 
-/// The kernel of a pixel, before anything is learnt.
+/// The kernel of the pixel in the middle, before anything is learnt.
 Tensor first_kernel(NetworkConfig config) {
   config.initialisation = "he";
-  const auto network = std::dynamic_pointer_cast<LayerNetwork>(make_network(config));
+  const auto network = make_network(config);
   initialise(*network, 3);
   {  // what differs between pixels is left out
     const torch::NoGradGuard no_gradient;
     network->named_parameters()["kernel_generator.1.weight"].zero_();
   }
   const NetworkInput input = random_input(config, 1, 3, 9, 9, torch::kFloat32);
-  return network->kernels_at(WholeInput(input), 4, 4)[0].sum(0);  // over layers
+  const Kernels kernels = network->kernels(input);
+  const Tensor exponents = (kernels.logits + kernels.log_n.unsqueeze(2)).select(4, 4).select(3, 4)[0];
+  return at::softmax(exponents.flatten(), 0).view(exponents.sizes()).sum(0);  // over layers
 }
 
 TEST(Initialise, KernelsBeginAsAGaussian) {

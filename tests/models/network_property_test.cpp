@@ -3,7 +3,6 @@
 
 #include <numeric>
 
-#include "models/row_strips.h"
 #include "tests/models/small_network.h"
 
 namespace ld {
@@ -145,19 +144,17 @@ TEST(NetworkProperty, ThreeRunsGiveTheSameBits) {
   at::set_num_threads(threads);
 }
 
-// Inference in strips, as large pictures get it, is the computation that training does on whole pictures.
-TEST(NetworkProperty, StripsAtInferenceGiveTheWholePicture) {
+// Without gradients convolutions and filters run otherwise; what they compute is the same.
+TEST(NetworkProperty, WithoutGradientsThePictureIsThatOfTraining) {
   for (NetworkConfig config : every_config())
     for (const char* upsampling : {"bilinear", "nearest"}) {
       config.unet.upsampling = upsampling;
       const auto network = small_network(config, torch::kFloat64);
       const NetworkInput input = random_input(config, 1, 3, 61, 37, torch::kFloat64);
-      const Tensor whole = network->forward(input).detach();
-      const StripBytes tiny(1);  // strips of 16 rows, the fewest
+      const Tensor trained = network->forward(input).detach();
       const c10::InferenceMode guard;
-      const Tensor strips = network->forward(input);
-      EXPECT_EQ(strips.sizes(), whole.sizes());
-      EXPECT_LE(largest_difference(strips, whole), 1e-12) << title(config) << " " << upsampling;
+      EXPECT_LE(largest_difference(network->forward(input), trained), 1e-12)
+          << title(config) << " " << upsampling;
     }
 }
 

@@ -45,15 +45,6 @@ TEST(PixelMean, SamplesAndThePictureOfTheirMeanAreDenoisedAlike) {
   }
 }
 
-TEST(PixelMean, StripsGiveWhatTheWholeGives) {
-  const NetworkConfig config = means_configs().back();
-  const std::shared_ptr<Network> network = small_network(config, torch::kFloat64);
-  const NetworkInput input = random_input(config, 1, 3, 33, 8, torch::kFloat64);
-  const torch::InferenceMode no_graph;
-  const WholeInput source(input);
-  EXPECT_LT((network->forward(source) - network->forward(input)).abs().max().item<double>(), 1e-12);
-}
-
 TEST(PixelMean, ExtremesStayFinite) {
   for (const NetworkConfig& config : means_configs()) {
     const std::shared_ptr<Network> network = small_network(config, torch::kFloat32);

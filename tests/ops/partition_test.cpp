@@ -50,6 +50,21 @@ TEST(Partition, AgreesWithTheScalarReference) {
       }
 }
 
+// Each pixel's mean radiance is what its layers make together.
+TEST(Partition, TheLayersMakeTheNoisyPicture) {
+  const Samples in(1, 4, 3, 6, 5);
+  const Tensor mean = masked_mean(in.radiance, in.valid);
+  const Partition alpha = in.run();
+  Tensor visible = torch::ones({1, 1, 6, 5}, torch::kFloat64), picture = torch::zeros_like(mean);
+  for (int64_t l = 0; l < 3; ++l) {
+    picture = picture + visible * alpha.radiance.select(1, l);
+    visible = visible * alpha.transmittance.select(1, l);
+  }
+  expect_near(picture, mean, 1e-12);
+  const Partition weighted = partition(in.logits, in.valid, in.radiance, in.embedding, Compositing::weighted);
+  expect_near((weighted.log_n.exp().unsqueeze(2) * weighted.radiance).sum(1), mean, 1e-12);
+}
+
 TEST(Partition, GradientsAgreeWithFiniteDifferences) {
   const Samples in(1, 3, 3, 2, 3);
   expect_gradients(

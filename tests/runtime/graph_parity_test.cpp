@@ -43,7 +43,7 @@ void scale_light(Frame& frame, float factor) {
 
 Image in_torch(Network& network, const Frame& frame) {
   const torch::NoGradGuard no_graph;
-  return to_image(network.forward(FrameInput(frame, network.config().features)).squeeze(0));
+  return to_image(network.forward(make_network_input({frame}, network.config().features)).squeeze(0));
 }
 
 float largest_difference(const Image& a, const Image& b) {
@@ -126,10 +126,8 @@ TEST(GraphParity, WhateverTheUnitsOfTheLight) {
 TEST(GraphParity, TheExposureIsThatOfTheNetworks) {
   Frame frame = uneven_frame(45, 39, 3);
   const auto in_networks = [&] {
-    const NetworkInput input = FrameInput(frame, {"radiance"}).rows(0, frame.height);
-    LogAverage average(1);
-    average.add(input.radiance, input.valid);
-    return average.exposure()[0].item<double>();
+    const NetworkInput input = make_network_input({frame}, {"radiance"});
+    return exposure_of(input.radiance, input.valid)[0].item<double>();
   };
   const double exposure = frame_exposure(frame, 1);
   EXPECT_NEAR(exposure, in_networks(), 1e-12 * exposure);
