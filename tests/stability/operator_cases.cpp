@@ -81,7 +81,7 @@ OperatorCase gather_case() {
 }
 
 using GeneratedSplat = Tensor (*)(const FullyConnectedWeights&, const Tensor&, const Tensor&, const Tensor&,
-                                  const Tensor&, int64_t);
+                                  const Tensor&);
 
 OperatorCase generated_splat_case(const std::string& name, GeneratedSplat splat) {
   OperatorCase operation{
@@ -90,7 +90,7 @@ OperatorCase generated_splat_case(const std::string& name, GeneratedSplat splat)
        {"shared", normal({1, kContext, kHeight, kWidth}, 9), false, kHalf},
        {"log_n", uniform({1, kLayers, kHeight, kWidth}, 10).log(), true, kLargest},
        {"values", uniform({1, kLayers, 4, kHeight, kWidth}, 11), true, kLargest}},
-      [splat](const Tensors& v) { return splat(weights_from(v, 4), v[0], v[1], v[2], v[3], 0); }};
+      [splat](const Tensors& v) { return splat(weights_from(v, 4), v[0], v[1], v[2], v[3]); }};
   add_network(operation, kEmbedding + kContext, kTaps);
   return operation;
 }
