@@ -1,0 +1,124 @@
+"""The denoiser."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import checked_count, checked_samples, checked_valid
+from ._files import Frame
+
+_MODELS = Path(__file__).parent / "models"
+
+
+def released_weights() -> list[str]:
+    """The names of the weights that come with this package, which Denoiser() takes."""
+    return sorted(path.stem for path in _MODELS.glob("*.safetensors"))
+
+
+def _resolve(weights: str | os.PathLike[str]) -> str:
+    """A path that exists, or the file of released weights: "common" stands for the best of that name, as for ld_denoise."""
+    path = os.fspath(weights)
+    if not isinstance(path, str):
+        raise ValueError(f"weights are {path!r}; expected a path or a name as text")
+    if os.path.exists(path):
+        return path
+    if path and path == os.path.basename(path):
+        for size in ("", "_fine", "_fast"):
+            file = _MODELS / f"{path}{size}.safetensors"
+            if file.is_file():
+                return str(file)
+    raise RuntimeError(
+        f"no such weights: {path}; expected a file, the folder of a run, or one of the released {', '.join(released_weights())}"
+    )
+
+
+class Denoiser:
+    """A network with its weights.
+
+    `weights` is a .safetensors file, a checkpoint or run folder of ld_train, or the name of released weights: "common" (the default),
+    "common_fast", "means" (for renders of which only each pixel's mean is known). What was planned for a frame is kept for the next
+    of its size. One denoiser works for one thread at a time; two may work in two threads.
+
+    Raises RuntimeError where there are no such weights, or where they are damaged.
+    """
+
+    def __init__(self, weights: str | os.PathLike[str] = "common") -> None:
+        self._weights = _resolve(weights)
+        self._native = _native.Denoiser(self._weights)
+
+    def __repr__(self) -> str:
+        return f"<layered_denoiser.Denoiser {self._native.network} of {self._weights}>"
+
+    @property
+    def weights(self) -> str:
+        """The file or folder that the weights come from."""
+        return self._weights
+
+    @property
+    def network(self) -> str:
+        """The name of the network."""
+        return self._native.network
+
+    @property
+    def features(self) -> dict[str, int]:
+        """What the network reads of each sample: names and how many channels each has."""
+        return dict(self._native.features)
+
+    @property
+    def required(self) -> list[str]:
+        """Those of the features that must be there; the network does without the others, less well."""
+        return list(self._native.required)
+
+    def denoise(
+        self,
+        samples: Frame | Mapping[str, ArrayLike],
+        valid: ArrayLike | None = None,
+        *,
+        depth_scale: float | None = None,
+        threads: int = 0,
+        max_memory_mb: int = 0,
+        progress: Callable[[float], Any] | None = None,
+    ) -> NDArray[np.float32]:
+        """Denoises a frame: [height, width, 3], linear, float32.
+
+        samples: what read_frame() returned, or arrays [samples, height, width, channels] by feature: radiance 3 (linear), normal 3
+            (view space, +y up, +z towards the camera), depth 1 (along the view axis, 65504 where the ray escaped), albedo 3, specular 3,
+            roughness 1 and others (docs/data_format.md). `features` says which the weights read; others are left alone. float32 of
+            any strides is read where it lies, other real numbers are converted. One channel may also be [samples, height, width].
+        valid: [samples, height, width], False for samples that were not drawn; None: all were. Samples with a NaN or an infinity in
+            their radiance do not count anyway.
+        depth_scale: the unit of depth; None: that of the frame, or the median of the finite depths.
+        threads: that compute; 0: OMP_NUM_THREADS, or all CPUs of the process. The bits are those of ld_denoise with as many.
+        max_memory_mb: what the whole process may take, in MB of 10^6 bytes, the samples' copy aside; 0: no bound.
+        progress: called now and then with the share that is done, 0 to 1. A result that is false, other than None, cancels.
+
+        Python's lock is released while this computes. Ctrl-C ends it with KeyboardInterrupt.
+
+        Raises ValueError for arrays that do not fit and for a memory bound that is too small, Cancelled, and what `progress` raises.
+        """
+        scale: float | None = None
+        if isinstance(samples, Frame):
+            valid = samples.valid if valid is None else valid
+            scale = samples.depth_scale
+            samples = samples.samples
+        scale = scale if depth_scale is None else depth_scale
+        if scale is not None and not (isinstance(scale, (int, float, np.floating)) and 0 < scale < np.inf):
+            raise ValueError(f"depth_scale is {scale!r}; expected a number above 0, or None")
+        if progress is not None and not callable(progress):
+            raise ValueError(f"progress is {progress!r}; expected a function of the share that is done, or None")
+        arrays = checked_samples(samples, self.features, self.required)
+        return self._native.denoise(
+            arrays,
+            checked_valid(valid, arrays["radiance"].shape[:3]),
+            0.0 if scale is None else float(scale),
+            checked_count("threads", threads, 4096),
+            checked_count("max_memory_mb", max_memory_mb, 10**9),
+            progress,
+        )

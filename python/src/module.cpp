@@ -1,0 +1,47 @@
+// The extension module layered_denoiser._native. The package's Python files check what users pass and call
+// this.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "core/error.h"
+#include "frame/schema.h"
+#include "frames.h"
+#include "models/network_config.h"
+#include "python_denoiser.h"
+
+namespace nb = nanobind;
+
+// Other errors of ours are std::runtime_error, which is RuntimeError without a word.
+NB_MODULE(_native, module) {
+  nb::exception<ld::Cancelled>(module, "Cancelled", PyExc_RuntimeError);
+  nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const ld::UsageError& error) {
+      PyErr_SetString(PyExc_ValueError, error.what());
+    }
+  });
+
+  module.attr("version") = LD_VERSION;
+  module.def("feature_channels", [](const std::string& name) { return ld::find_feature(name).channels; });
+  module.def("read_frame", ld::read_frame_arrays);
+  module.def("read_image", ld::read_image_array);
+  module.def("write_image", ld::write_image_array);
+
+  nb::class_<ld::PythonDenoiser>(module, "Denoiser")
+      .def(nb::init<const std::string&>(), nb::call_guard<nb::gil_scoped_release>())
+      .def_prop_ro("network", [](const ld::PythonDenoiser& self) { return self.network_config().name; })
+      .def_prop_ro("features", &ld::PythonDenoiser::features)
+      .def_prop_ro("required", &ld::PythonDenoiser::required)
+      .def(
+          "denoise",
+          [](ld::PythonDenoiser& self, const std::map<std::string, ld::SampleArray>& samples,
+             const ld::ValidArray& valid, float depth_scale, int threads, int64_t max_memory_mb,
+             const nb::object& progress) {
+            return self.denoise(samples, valid, {depth_scale, threads, max_memory_mb, progress});
+          },
+          nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none());
+}

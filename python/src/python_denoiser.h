@@ -1,0 +1,53 @@
+// A Denoiser as Python calls it: arrays in, an array out, without Python's lock while it computes.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <atomic>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "inference/denoiser.h"
+
+namespace ld {
+
+/// [samples, height, width, channels] with any strides.
+using SampleArray = nanobind::ndarray<const float, nanobind::ndim<4>, nanobind::device::cpu>;
+/// [samples, height, width], 0 for a sample that was not drawn.
+using ValidArray =
+    nanobind::ndarray<const uint8_t, nanobind::ndim<3>, nanobind::c_contig, nanobind::device::cpu>;
+/// [height, width, 3].
+using PictureArray = nanobind::ndarray<nanobind::numpy, float, nanobind::ndim<3>>;
+
+struct PythonDenoiseOptions {
+  float depth_scale = 0;  // 0: the median of the depths
+  int threads = 0;
+  int64_t max_memory_mb = 0;
+  nanobind::object progress;  // None or a function of the share that is done
+};
+
+class PythonDenoiser {
+ public:
+  explicit PythonDenoiser(const std::string& weights);
+
+  const NetworkConfig& network_config() const { return denoiser_.network_config(); }
+
+  /// Name and channels of the features that the network reads, in its order.
+  std::vector<std::pair<std::string, int>> features() const;
+  const std::vector<std::string>& required() const { return denoiser_.features(); }
+
+  /// The arrays have one size, and their features the channels that the schema says: the Python side of the
+  /// package has checked it. Throws Cancelled when the progress function says so, and what that raised. One
+  /// call at a time: another thread's, or one out of the progress function, is an Error.
+  PictureArray denoise(const std::map<std::string, SampleArray>& samples, const ValidArray& valid,
+                       const PythonDenoiseOptions& how);
+
+ private:
+  Denoiser denoiser_;
+  std::atomic<bool> busy_{false};
+};
+
+}  // namespace ld
