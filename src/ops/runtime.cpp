@@ -36,22 +36,6 @@ void flush_denormals(int threads, bool flush) {
 
 }  // namespace
 
-RuntimeGuard::RuntimeGuard(int threads) : threads_(threads), threads_before_(at::get_num_threads()) {
-  at::set_num_threads(threads);
-  std::fegetenv(&caller_before_);
-  pool_before_.assign(static_cast<size_t>(threads), caller_before_);
-  at::parallel_for(0, threads, 1,
-                   [&](int64_t n, int64_t) { std::fegetenv(&pool_before_[static_cast<size_t>(n)]); });
-  flush_denormals(threads, true);
-}
-
-RuntimeGuard::~RuntimeGuard() {
-  at::parallel_for(0, threads_, 1,
-                   [&](int64_t n, int64_t) { std::fesetenv(&pool_before_[static_cast<size_t>(n)]); });
-  std::fesetenv(&caller_before_);
-  at::set_num_threads(threads_before_);
-}
-
 void configure_runtime(int threads) {
   choose_blas_kernels();
   use_memory_pool();
