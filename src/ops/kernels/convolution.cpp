@@ -7,24 +7,16 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "ops/kernels/vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ld {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-
-// Accumulators, as in dense.cpp: outputs x vectors of pixels.
-constexpr bool kManyRegisters = HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM;
-constexpr int kOutputs = kManyRegisters ? 8 : 4;
-constexpr int kVectors = 3;
 
 /// Outputs [o, o + kMr), kNv vectors of pixels from x.
 template <int kMr, int kNv>
 HWY_INLINE void convolve_block(const ConvolutionRow& t, int64_t o, int64_t x) {
   const D d;
-  const int64_t lanes = int64_t(hn::Lanes(d));
   const float* HWY_RESTRICT w = t.weights->block(o) + o % PackedConvolution::kBlock;
   V sum[kMr][kNv];
 #pragma GCC unroll 8
@@ -39,7 +31,7 @@ HWY_INLINE void convolve_block(const ConvolutionRow& t, int64_t o, int64_t x) {
         for (int dx = 0; dx < 3; ++dx) {
           V pixels[kNv];
 #pragma GCC unroll 3
-          for (int v = 0; v < kNv; ++v) pixels[v] = hn::LoadU(d, in + dx + v * lanes);
+          for (int v = 0; v < kNv; ++v) pixels[v] = hn::LoadU(d, in + dx + v * lanes());
 #pragma GCC unroll 8
           for (int r = 0; r < kMr; ++r) {
             const V weight = hn::Set(d, w[r]);
@@ -54,32 +46,21 @@ HWY_INLINE void convolve_block(const ConvolutionRow& t, int64_t o, int64_t x) {
 #pragma GCC unroll 3
     for (int v = 0; v < kNv; ++v) {
       V result = sum[r][v];
-      if (t.activated) result = hn::Max(result, hn::Mul(result, hn::Set(d, float(kLeakySlope))));
-      hn::Store(result, d, t.out + (o + r) * t.out_pitch + x + v * lanes);
+      if (t.activated) result = leaky_relu(d, result);
+      hn::Store(result, d, t.out + (o + r) * t.out_pitch + x + v * lanes());
     }
 }
 
 template <int kNv>
 HWY_INLINE void convolve_pixels(const ConvolutionRow& t, int64_t x) {
-  int64_t o = 0;
-  const int64_t outputs = t.weights->outputs;
-  for (; o + kOutputs <= outputs; o += kOutputs) convolve_block<kOutputs, kNv>(t, o, x);
-  if (kOutputs > 4 && o + 4 <= outputs) {
-    convolve_block<4, kNv>(t, o, x);
-    o += 4;
-  }
-  if (o + 2 <= outputs) {
-    convolve_block<2, kNv>(t, o, x);
-    o += 2;
-  }
-  if (o < outputs) convolve_block<1, kNv>(t, o, x);
+  in_blocks(t.weights->outputs,
+            [&](auto number, int64_t o) { convolve_block<decltype(number)::value, kNv>(t, o, x); });
 }
 
 void convolve_row(const ConvolutionRow& t) {
-  const int64_t lanes = int64_t(hn::Lanes(D()));
   int64_t x = t.begin;
-  for (; x + kVectors * lanes <= t.end; x += kVectors * lanes) convolve_pixels<kVectors>(t, x);
-  for (; x < t.end; x += lanes) convolve_pixels<1>(t, x);
+  for (; x + kVectors * lanes() <= t.end; x += kVectors * lanes()) convolve_pixels<kVectors>(t, x);
+  for (; x < t.end; x += lanes()) convolve_pixels<1>(t, x);
 }
 
 }  // namespace HWY_NAMESPACE

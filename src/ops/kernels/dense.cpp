@@ -9,23 +9,11 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "ops/kernels/vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ld {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-
-// Accumulators of a product: rows x vectors, as many as leave registers for the operands. 32 registers with
-// AVX-512, 16 before.
-constexpr bool kManyRegisters = HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM;
-constexpr int kRows = kManyRegisters ? 8 : 4;
-constexpr int kVectors = 3;
-
-HWY_INLINE V leaky_relu(D d, V x) {
-  return hn::Max(x, hn::Mul(x, hn::Set(d, float(kLeakySlope))));
-}
 
 /// c x / (c + |x|), in a form that an infinite x does not break.
 HWY_INLINE V bounded(D d, V x, V bound) {
@@ -82,18 +70,8 @@ HWY_INLINE void product_block(const TileProduct& t, int64_t row, int64_t column)
 /// All rows, kNv vectors of pixels.
 template <int kNv>
 HWY_INLINE void product_panel(const TileProduct& t, int64_t column) {
-  int64_t row = 0;
-  const int64_t rows = t.weights->outputs;
-  for (; row + kRows <= rows; row += kRows) product_block<kRows, kNv>(t, row, column);
-  if (kRows > 4 && row + 4 <= rows) {
-    product_block<4, kNv>(t, row, column);
-    row += 4;
-  }
-  if (row + 2 <= rows) {
-    product_block<2, kNv>(t, row, column);
-    row += 2;
-  }
-  if (row < rows) product_block<1, kNv>(t, row, column);
+  in_blocks(t.weights->outputs,
+            [&](auto number, int64_t row) { product_block<decltype(number)::value, kNv>(t, row, column); });
 }
 
 void multiply_tile(const TileProduct& t) {

@@ -10,18 +10,11 @@
 #include <hwy/highway.h>
 
 #include "ops/kernels/filter.h"
+#include "ops/kernels/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ld {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-
-HWY_INLINE int64_t lanes() {
-  return int64_t(hn::Lanes(D()));
-}
 
 /// exp(x) for x <= 0, to 2 units in the last place. What would be below the smallest normal number is 0:
 /// beside a largest weight of 1 it is lost to rounding anyway, and denormal numbers would slow every later

@@ -129,22 +129,22 @@ HWY_INLINE V share_of(D d, const PartitionShape& shape, const Occupancy& n, int6
 }
 
 /// sums[l][c] = sum over s of factors[s][l] * values[s][c], for one channel, layers [l, l + kLayers) and
-/// kVectors vectors of pixels: each value is read once, and enough sums are under way at a time.
-template <int kLayers, int kVectors>
+/// kTogether vectors of pixels: each value is read once, and enough sums are under way at a time.
+template <int kLayers, int kTogether>
 HWY_INLINE void sum_pixels(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
                            const float* values, int64_t channels, int64_t c, int64_t l, float* sums,
                            int64_t x, int64_t left) {
-  V sum[kLayers][kVectors];
+  V sum[kLayers][kTogether];
 #pragma GCC unroll 4
   for (int k = 0; k < kLayers; ++k)
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) sum[k][v] = hn::Zero(d);
+    for (int v = 0; v < kTogether; ++v) sum[k][v] = hn::Zero(d);
   const float* from = values + tile.at(c, x);
   const float* mask = scratch.mask.row(0) + x;
   const float* factor = factors.row(l) + x;
   for (int64_t s = 0; s < tile.shape.samples; ++s) {
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) {
+    for (int v = 0; v < kTogether; ++v) {
       const V value =
           hn::And(load(d, from + v * lanes(), left - v * lanes()), hn::Load(d, mask + v * lanes()));
 #pragma GCC unroll 4
@@ -158,17 +158,18 @@ HWY_INLINE void sum_pixels(D d, const Tile& tile, const StagedRows& factors, con
 #pragma GCC unroll 4
   for (int k = 0; k < kLayers; ++k)
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v)
+    for (int v = 0; v < kTogether; ++v)
       store(d, sum[k][v], sums + tile.at((l + k) * channels + c, x + v * lanes()), left - v * lanes());
 }
 
 template <int kLayers>
 HWY_INLINE void sum_layers(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
                            const float* values, int64_t channels, int64_t c, int64_t l, float* sums) {
-  constexpr int kVectors = 4;
+  constexpr int kTogether = 4;
   int64_t x = 0;
-  for (; tile.count - x >= kVectors * lanes(); x += kVectors * lanes())
-    sum_pixels<kLayers, kVectors>(d, tile, factors, scratch, values, channels, c, l, sums, x, tile.count - x);
+  for (; tile.count - x >= kTogether * lanes(); x += kTogether * lanes())
+    sum_pixels<kLayers, kTogether>(d, tile, factors, scratch, values, channels, c, l, sums, x,
+                                   tile.count - x);
   for (; x < tile.count; x += lanes())
     sum_pixels<kLayers, 1>(d, tile, factors, scratch, values, channels, c, l, sums, x, tile.count - x);
 }

@@ -73,33 +73,14 @@ HWY_INLINE void add_channels(D d, const FilterShape& shape, const float* HWY_RES
 }
 
 /// All of them, as many at once as there are: the weights are read once for each such block.
+template <int kCount = kMostAdded>
 HWY_INLINE void add_all_channels(D d, const FilterShape& shape, const float* weights, const float* values,
-                                 int64_t values_pitch, V rescale, float* sums, int64_t sums_pitch) {
-  int64_t c = 0;
-  const auto add = [&](auto count) {
-    add_channels<decltype(count)::value>(d, shape, weights, values + c * values_pitch, values_pitch, rescale,
-                                         sums + c * sums_pitch, sums_pitch);
-    c += decltype(count)::value;
-  };
-  while (shape.channels - c >= kMostAdded) add(std::integral_constant<int, kMostAdded>());
-  switch (shape.channels - c) {
-    case 7:
-      return add(std::integral_constant<int, 7>());
-    case 6:
-      return add(std::integral_constant<int, 6>());
-    case 5:
-      return add(std::integral_constant<int, 5>());
-    case 4:
-      return add(std::integral_constant<int, 4>());
-    case 3:
-      return add(std::integral_constant<int, 3>());
-    case 2:
-      return add(std::integral_constant<int, 2>());
-    case 1:
-      return add(std::integral_constant<int, 1>());
-    default:
-      return;
-  }
+                                 int64_t values_pitch, V rescale, float* sums, int64_t sums_pitch,
+                                 int64_t left) {
+  for (; left >= kCount; left -= kCount, values += kCount * values_pitch, sums += kCount * sums_pitch)
+    add_channels<kCount>(d, shape, weights, values, values_pitch, rescale, sums, sums_pitch);
+  if constexpr (kCount > 1)
+    add_all_channels<kCount - 1>(d, shape, weights, values, values_pitch, rescale, sums, sums_pitch, left);
 }
 
 /// One layer's row of taps `dy` to one row of destinations; x counts from the stretch's first pixel.
@@ -127,7 +108,8 @@ HWY_INLINE void add_kernel_row(const FilterShape& shape, const SplatSourcesRow& 
     }
     hn::StoreU(largest, d, to + x);
     hn::StoreU(total, d, to + pitch + x);
-    add_all_channels(d, shape, weights, v + x, sources.values.pitch(), rescale, to + 2 * pitch + x, pitch);
+    add_all_channels(d, shape, weights, v + x, sources.values.pitch(), rescale, to + 2 * pitch + x, pitch,
+                     shape.channels);
   }
 }
 

@@ -13,13 +13,11 @@
 // Behind them, or it is there for one instruction set alone.
 #include <hwy/contrib/math/math-inl.h>
 
+#include "ops/kernels/vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ld {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
 
 HWY_INLINE V tone_mapped(D d, V x) {
   const V y = hn::Log1p(d, hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, std::numeric_limits<float>::max())));
@@ -32,9 +30,8 @@ HWY_INLINE V tone_mapped(D d, V x) {
 
 void tone_map_pixels(const float* HWY_RESTRICT x, float* HWY_RESTRICT out, int64_t count) {
   const D d;
-  const auto lanes = int64_t(hn::Lanes(d));
   int64_t i = 0;
-  for (; i + lanes <= count; i += lanes) hn::StoreU(tone_mapped(d, hn::LoadU(d, x + i)), d, out + i);
+  for (; i + lanes() <= count; i += lanes()) hn::StoreU(tone_mapped(d, hn::LoadU(d, x + i)), d, out + i);
   if (i == count) return;
   HWY_ALIGN float rest[HWY_MAX_BYTES / sizeof(float)] = {};
   std::copy_n(x + i, count - i, rest);

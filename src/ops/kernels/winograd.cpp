@@ -7,13 +7,11 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "ops/kernels/vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ld {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
 
 /// B^T d of four numbers.
 HWY_INLINE void input_transform(V (&d)[4]) {
@@ -36,8 +34,7 @@ HWY_INLINE Pair output_transform(V a, V b, V c, V d) {
 HWY_INLINE void transform_channel(const std::array<PlanarRow, 4>& rows, int64_t channel, int64_t begin,
                                   int64_t tiles, float* HWY_RESTRICT to, int64_t stride) {
   const D d;
-  const auto lanes = int64_t(hn::Lanes(d));
-  for (int64_t t = 0; t < tiles; t += lanes) {
+  for (int64_t t = 0; t < tiles; t += lanes()) {
     V v[4][4];  // [column][row]: the column's numbers are transformed first
 #pragma GCC unroll 4
     for (int y = 0; y < 4; ++y) {
@@ -67,8 +64,7 @@ void transform_inputs(const WinogradRows& rows, int64_t tiles, float* to) {
 
 /// Two neighbours of each lane's tile, as far as the stretch goes.
 HWY_INLINE void store_pixels(D d, Pair result, float* to, int64_t left) {
-  const auto lanes = int64_t(hn::Lanes(d));
-  if (left >= 2 * lanes) return hn::StoreInterleaved2(result.first, result.second, d, to);
+  if (left >= 2 * lanes()) return hn::StoreInterleaved2(result.first, result.second, d, to);
   HWY_ALIGN float pixels[2 * HWY_MAX_BYTES / sizeof(float)];
   hn::StoreInterleaved2(result.first, result.second, d, pixels);
   std::copy_n(pixels, std::max<int64_t>(left, 0), to);
@@ -76,12 +72,10 @@ HWY_INLINE void store_pixels(D d, Pair result, float* to, int64_t left) {
 
 void transform_outputs(const WinogradRows& rows, int64_t tiles, const float* products) {
   const D d;
-  const auto lanes = int64_t(hn::Lanes(d));
   const int64_t stride = rows.weights->outputs * tiles;
-  const V slope = hn::Set(d, float(kLeakySlope));
   for (int64_t o = 0; o < rows.weights->outputs; ++o) {
     const V bias = hn::Set(d, rows.weights->biases[size_t(o)]);
-    for (int64_t t = 0; t < tiles; t += lanes) {
+    for (int64_t t = 0; t < tiles; t += lanes()) {
       const float* m = products + o * tiles + t;
       Pair down[4];
 #pragma GCC unroll 4
@@ -95,9 +89,7 @@ void transform_outputs(const WinogradRows& rows, int64_t tiles, const float* pro
       for (int y = 0; y < 2; ++y) {
         if (rows.out[size_t(y)] == nullptr) continue;
         Pair pixels = {hn::Add(result[y].first, bias), hn::Add(result[y].second, bias)};
-        if (rows.activated)
-          pixels = {hn::Max(pixels.first, hn::Mul(pixels.first, slope)),
-                    hn::Max(pixels.second, hn::Mul(pixels.second, slope))};
+        if (rows.activated) pixels = {leaky_relu(d, pixels.first), leaky_relu(d, pixels.second)};
         const int64_t x = rows.begin + 2 * t;
         store_pixels(d, pixels, rows.out[size_t(y)] + o * rows.out_pitch + x, rows.end - x);
       }
