@@ -1,8 +1,8 @@
 #include "benchmark/workloads.h"
 #include "frame/schema.h"
 #include "losses/loss.h"
-#include "models/initialise.h"
 #include "models/graphs/network_cost.h"
+#include "models/initialise.h"
 #include "training/run/config_file.h"
 
 namespace ld {

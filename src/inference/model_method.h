@@ -25,8 +25,8 @@ std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments
 
 Image denoise(const LoadedModel& model, const Frame& frame);
 
-/// The model's parameters, and its multiply-adds a pixel (models/graphs/network_cost.h) for a frame of this size and
-/// number of samples.
+/// The model's parameters, and its multiply-adds a pixel (models/graphs/network_cost.h) for a frame of this
+/// size and number of samples.
 MethodCost cost_of(const LoadedModel& model, const Frame& frame);
 
 /// The model as a method of that cost.
