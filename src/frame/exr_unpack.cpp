@@ -108,7 +108,8 @@ void Unpacker::read_chunk(int y, int column, std::vector<uint8_t>& packed,
   const int x = column * chunk_width_;
   const int columns = std::min(chunk_width_, width_ - x), rows = std::min(chunk_height_, height_ - y);
   const size_t size = static_cast<size_t>(columns) * static_cast<size_t>(rows) * words_ * 2;
-  const size_t chunk = static_cast<size_t>(y / chunk_height_ * across_ + column);
+  const int index = y / chunk_height_ * across_ + column;
+  const auto chunk = static_cast<size_t>(index);
   read_packed(y, column, chunk, size, packed);
   if (packed.size() == size) {  // what does not shrink is stored as it is
     spread(x, y, columns, rows, {packed.data(), packed.data() + 1, 2});

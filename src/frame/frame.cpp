@@ -95,9 +95,10 @@ std::vector<float> zeros_in_large_pages(size_t count) {
   std::vector<float> zeros;
   zeros.reserve(count);
   if (count * sizeof(float) >= 2 * kPage) {
-    const auto begin = (reinterpret_cast<uintptr_t>(zeros.data()) + kPage - 1) / kPage * kPage;
-    const auto end = reinterpret_cast<uintptr_t>(zeros.data() + count) / kPage * kPage;
-    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // where it cannot, small pages do
+    char* const memory = reinterpret_cast<char*>(zeros.data());
+    const size_t before = (kPage - reinterpret_cast<uintptr_t>(memory) % kPage) % kPage,
+                 bytes = (count * sizeof(float) - before) / kPage * kPage;
+    madvise(memory + before, bytes, MADV_HUGEPAGE);  // where it cannot, small pages do
   }
   zeros.resize(count);
   return zeros;

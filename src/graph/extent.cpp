@@ -133,7 +133,8 @@ NodeCost cost_of(const Graph& graph, const Node& node, const PictureExtent& pict
   // What passes through are the items of the input; of a fully connected network it may be the first alone.
   const ValueId passing = std::holds_alternative<FullyConnected>(node.op) ? node.outputs[0] : node.inputs[0];
   const ValueExtent extent = extent_of(graph, passing, picture);
-  const auto items = double(extent.planes / graph[passing].channels * extent.height * extent.width);
+  const int64_t items_of_pixel = extent.planes / graph[passing].channels;
+  const auto items = double(items_of_pixel * extent.height * extent.width);
   NodeCost cost = std::visit(CostOf{graph, node}, node.op);
   cost.weights *= items;
   cost.taps *= items;

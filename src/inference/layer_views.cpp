@@ -81,8 +81,8 @@ std::vector<Image> layer_kernels(const NetworkConfig& config, const NamedWeights
     for (int64_t c = 0; c < context; ++c) shared.push_back(execution.row(2, c, y)[x]);
   });
 
-  const TileNetwork network =
-      tile_network(make_splat(config, /*joint=*/false).generator, weights, embedding, side * side);
+  const TileNetwork network = tile_network(make_splat(config, /*joint=*/false).generator, weights, embedding,
+                                           config.kernel_size * config.kernel_size);
   TileNetwork::Scratch scratch = network.make_scratch(kPixelStep, false);
   // A tile of one pixel.
   for (int64_t c = 0; c < context; ++c) scratch.shared[c * scratch.pitch] = shared[size_t(c)];

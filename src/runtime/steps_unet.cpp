@@ -152,7 +152,8 @@ struct UpsampleRow {
     int64_t before;
     float behind;
     Between(int64_t at, int64_t n) : before((at + n / 2) / n - 1) {
-      behind = (float(at - n / 2 - before * n) + 0.5f) / float(n);
+      const int64_t from_centre = at - n / 2 - before * n;
+      behind = (float(from_centre) + 0.5f) / float(n);
     }
   };
 

@@ -65,7 +65,7 @@ void transform_inputs(const WinogradRows& rows, int64_t tiles, float* to) {
 /// Two neighbours of each lane's tile, as far as the stretch goes.
 HWY_INLINE void store_pixels(D d, Pair result, float* to, int64_t left) {
   if (left >= 2 * lanes()) return hn::StoreInterleaved2(result.first, result.second, d, to);
-  HWY_ALIGN float pixels[2 * HWY_MAX_BYTES / sizeof(float)];
+  HWY_ALIGN float pixels[size_t{2} * HWY_MAX_BYTES / sizeof(float)];
   hn::StoreInterleaved2(result.first, result.second, d, pixels);
   std::copy_n(pixels, std::max<int64_t>(left, 0), to);
 }
