@@ -1,7 +1,5 @@
 #include "frame/frame.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,10 +27,18 @@ float* alpha_of(Frame& frame, const Stretch& stretch) {
   return frame.alpha.data() + static_cast<size_t>(stretch.sample) * frame.plane_size() + stretch.first;
 }
 
+/// Those that the frame holds; all others are 0, and their memory better untouched.
+std::vector<int> channels_of(const Frame& frame) {
+  std::vector<int> channels;
+  for (const std::string& name : frame.features)
+    for (int c = 0; c < find_feature(name).channels; ++c) channels.push_back(find_feature(name).offset + c);
+  return channels;
+}
+
 /// Whether nothing is to be done, which is the rule: a tenth of the time of going through all planes pixel by
 /// pixel.
-bool is_clean(Frame& frame, const Stretch& stretch) {
-  for (int c = 0; c < kSampleChannels; ++c)
+bool is_clean(Frame& frame, const Stretch& stretch, const std::vector<int>& channels) {
+  for (const int c : channels)
     if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count,
                     c < 3 ? 0.0F : -kEscapedDepth, c < 3 ? std::numeric_limits<float>::max() : kEscapedDepth))
       return false;
@@ -90,20 +96,6 @@ void mend(Frame& frame, const Stretch& stretch, Faults& faults) {
 
 }  // namespace
 
-std::vector<float> zeros_in_large_pages(size_t count) {
-  constexpr size_t kPage = size_t{1} << 21;
-  std::vector<float> zeros;
-  zeros.reserve(count);
-  if (count * sizeof(float) >= 2 * kPage) {
-    char* const memory = reinterpret_cast<char*>(zeros.data());
-    const size_t before = (kPage - reinterpret_cast<uintptr_t>(memory) % kPage) % kPage,
-                 bytes = (count * sizeof(float) - before) / kPage * kPage;
-    madvise(memory + before, bytes, MADV_HUGEPAGE);  // where it cannot, small pages do
-  }
-  zeros.resize(count);
-  return zeros;
-}
-
 Faults sanitise(Frame& frame) {
   Faults faults;
   for (int s = 0; s < frame.spp; ++s) sanitise(frame, s, 0, frame.plane_size(), faults);
@@ -112,9 +104,10 @@ Faults sanitise(Frame& frame) {
 
 void sanitise(Frame& frame, int sample, size_t first, size_t count, Faults& faults) {
   constexpr size_t kStretch = 2048;  // whose planes stay in the cache
+  const std::vector<int> channels = channels_of(frame);
   for (size_t done = 0; done < count; done += kStretch) {
     const Stretch stretch = {sample, first + done, std::min(kStretch, count - done)};
-    if (!is_clean(frame, stretch)) mend(frame, stretch, faults);
+    if (!is_clean(frame, stretch, channels)) mend(frame, stretch, faults);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "frame/schema.h"
+#include "frame/zeroed_floats.h"
 
 namespace ld {
 
@@ -64,17 +65,13 @@ struct FrameInfo {
   Windows windows;
 };
 
-/// Zeros in memory that the system gives in large pieces where it can: a gigabyte in pages of 4 kB takes
-/// longer to get than to decode.
-std::vector<float> zeros_in_large_pages(size_t count);
-
 /// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
 /// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
 /// are then 0, and its alpha). Channels of features that the frame does not hold are 0.
 struct Frame {
   int width = 0, height = 0, spp = 0;
   std::vector<std::string> features = mh20_feature_names();  // those it holds, in any order
-  std::vector<float> samples;
+  ZeroedFloats samples;
   std::vector<uint8_t> valid;
   std::vector<float> alpha;  // [spp, height, width]: 1 opaque, its radiance is premultiplied; empty: none
   FrameInfo info;
@@ -84,7 +81,7 @@ struct Frame {
       : width(w),
         height(h),
         spp(s),
-        samples(zeros_in_large_pages(size_t(w) * size_t(h) * size_t(s) * kSampleChannels)),
+        samples(size_t(w) * size_t(h) * size_t(s) * kSampleChannels),
         valid(size_t(w) * size_t(h) * size_t(s), 1) {}
   size_t plane_size() const { return size_t(width) * size_t(height); }
   float* plane(int sample, int channel) {

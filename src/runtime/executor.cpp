@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <type_traits>
 #include <variant>
 
 #include "core/error.h"
@@ -11,6 +12,7 @@
 #include "runtime/frame_exposure.h"
 #include "runtime/parallel.h"
 #include "runtime/step.h"
+#include "runtime/tile_unit.h"
 
 namespace ld {
 
@@ -42,11 +44,19 @@ int64_t default_block(int threads, int64_t width) {
   return std::max(kPixels * std::max(threads, 1) / width / kFewest * kFewest, kFewest);
 }
 
-}  // namespace
-
-std::unique_ptr<Step> make_step(const graph::Node& node, StepContext& context) {
-  return std::visit([&](const auto& op) { return make_step(op, node, context); }, node.op);
+std::unique_ptr<Step> make_unit(const Unit& unit, StepContext& context) {
+  const graph::Node& first = context.graph.nodes[unit.nodes[0]];
+  if (graph::is_pixelwise(first.op)) return std::make_unique<TileUnit>(unit, context);
+  return std::visit(
+      [&](const auto& op) -> std::unique_ptr<Step> {
+        using Made = decltype(make_step(op, first, context));
+        if constexpr (std::is_same_v<Made, std::unique_ptr<Step>>) return make_step(op, first, context);
+        return nullptr;  // pixelwise: made above
+      },
+      first.op);
 }
+
+}  // namespace
 
 struct Execution::State {
   int64_t block;
@@ -54,10 +64,9 @@ struct Execution::State {
   RowSchedule schedule;
   int64_t arena_floats;
   Arena arena;
-  std::vector<std::unique_ptr<Step>> steps;
+  std::vector<std::unique_ptr<Step>> steps;  // of each unit
   std::vector<ValueId> outputs;
-  std::vector<double> row_work;  // of each node, a row of its output
-  std::vector<double> seconds;   // of each node, in the frame that runs
+  std::vector<double> row_work;  // of each unit, a row of its output
   double work = 0;
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
@@ -73,27 +82,38 @@ struct Execution::State {
       window.memory = next;
       next += Arena::round_up(window.floats());
     }
-    for (const graph::Node& node : graph.nodes) {
-      steps.push_back(make_step(node, context));
-      const ValueExtent extent = extent_of(graph, node.outputs[0], picture);
-      const graph::NodeCost cost = cost_of(graph, node, picture);
-      // What is moved counts for a few multiply-adds.
-      const double rows = double(extent.height);
-      row_work.push_back((cost.weights + cost.taps) / rows + 4 * double(extent.planes * extent.width));
-      work += row_work.back() * rows;
+    for (const Unit& unit : schedule.units()) {
+      steps.push_back(make_unit(unit, context));
+      row_work.push_back(0);
+      for (const size_t n : unit.nodes) row_work.back() += work_of_row(graph.nodes[n]);
+      work += row_work.back() * double(extent_of(graph, unit.outputs[0], picture).height);
     }
     outputs.insert(outputs.begin(), graph.output);
   }
 
+  double work_of_row(const graph::Node& node) const {
+    const ValueExtent extent = extent_of(context.graph, node.outputs[0], context.picture);
+    const graph::NodeCost cost = cost_of(context.graph, node, context.picture);
+    // What is moved counts for a few multiply-adds.
+    return (cost.weights + cost.taps) / double(extent.height) + 4 * double(extent.planes * extent.width);
+  }
+
   /// Floats of all windows.
   int64_t make_windows() {
+    context.windows.resize(context.graph.values.size());
+    for (const Unit& unit : schedule.units())
+      for (const size_t n : unit.nodes)
+        for (const ValueId id : context.graph.nodes[n].outputs) context.windows[id] = window_of(unit, id);
     int64_t floats = 0;
-    for (ValueId id = 0; id < context.graph.values.size(); ++id) {
-      const ValueExtent extent = extent_of(context.graph, id, context.picture);
-      context.windows.emplace_back(extent.planes, extent.width, extent.height, schedule.capacity(id));
-      floats += Arena::round_up(context.windows.back().floats());
-    }
+    for (const RowWindow& window : context.windows) floats += Arena::round_up(window.floats());
     return floats;
+  }
+
+  RowWindow window_of(const Unit& unit, ValueId id) const {
+    const ValueExtent extent = extent_of(context.graph, id, context.picture);
+    if (schedule.capacity(id) > 0) return {extent.planes, extent.width, extent.height, schedule.capacity(id)};
+    return RowWindow::of_tiles(extent.planes, extent.width, extent.height, context.threads,
+                               tile_pixels(context.graph, unit, context.picture));
   }
 
   void begin(const Frame& frame) {
@@ -106,8 +126,17 @@ struct Execution::State {
     context.value_scale =
         largest_radiance(frame, context.threads) > kLargestRadiance ? float(kOverflowScale) : 1.0f;
     if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
-    seconds.assign(steps.size(), 0);
+    context.seconds.assign(context.graph.nodes.size(), 0);
     for (const auto& step : steps) step->start();
+  }
+
+  void run(size_t unit, int64_t begin, int64_t end) {
+    const auto start = std::chrono::steady_clock::now();
+    steps[unit]->run(begin, end);
+    const std::vector<size_t>& nodes = schedule.units()[unit].nodes;
+    if (!graph::is_pixelwise(context.graph.nodes[nodes[0]].op))  // those know better
+      context.seconds[nodes[0]] +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 };
 
@@ -139,7 +168,7 @@ int64_t Execution::memory_bytes() const {
 }
 
 const std::vector<double>& Execution::seconds() const {
-  return state_->seconds;
+  return state_->context.seconds;
 }
 
 const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
@@ -151,12 +180,9 @@ void Execution::run(const Frame& frame, const Progress& progress, const Rows& ro
   state_->begin(frame);
   double done = 0, told = 0;
   state_->schedule.walk(
-      [&](size_t node, int64_t begin, int64_t end) {
-        const auto start = std::chrono::steady_clock::now();
-        state_->steps[node]->run(begin, end);
-        state_->seconds[node] +=
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        done += double(end - begin) * state_->row_work[node];
+      [&](size_t unit, int64_t begin, int64_t end) {
+        state_->run(unit, begin, end);
+        done += double(end - begin) * state_->row_work[unit];
         const double share = std::min(done / state_->work, 1.0);
         if (!progress || share - told < 1 / kProgressSteps) return;
         told = share;

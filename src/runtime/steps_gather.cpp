@@ -97,8 +97,8 @@ class GatherStep : public GatheringStep {
   void make_logits(const Stretch& at, int thread, StagedRows& logits) override {
     TileNetwork::Scratch& scratch = scratch_[size_t(thread)];
     network_.begin_tile(scratch, at.count, {shared_.row(at.y) + at.x, shared_.pitch});
-    network_.forward(scratch, at.count, {embedding_.row(at.y) + at.x, embedding_.pitch}, logits.row(0),
-                     logits.pitch());
+    network_.forward(scratch, at.count, {embedding_.row(at.y) + at.x, embedding_.pitch},
+                     {logits.row(0), logits.pitch()});
   }
 
   RowWindow embedding_, shared_;

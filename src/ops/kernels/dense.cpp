@@ -22,7 +22,7 @@ HWY_INLINE V bounded(D d, V x, V bound) {
 }
 
 /// Rows [row, row + kMr) of the product, kNv vectors of pixels from `column`.
-template <int kMr, int kNv>
+template <Epilogue kEpilogue, int kMr, int kNv>
 HWY_INLINE void product_block(const TileProduct& t, int64_t row, int64_t column) {
   const D d;
   const int64_t lanes = int64_t(hn::Lanes(d));
@@ -56,9 +56,9 @@ HWY_INLINE void product_block(const TileProduct& t, int64_t row, int64_t column)
 #pragma GCC unroll 3
     for (int v = 0; v < kNv; ++v) {
       V result = sum[r][v];
-      if (t.epilogue == Epilogue::leaky_relu) result = leaky_relu(d, result);
-      if (t.epilogue == Epilogue::bounded) result = bounded(d, result, hn::Set(d, t.bound));
-      if (t.epilogue == Epilogue::leaky_relu_backward) {
+      if constexpr (kEpilogue == Epilogue::leaky_relu) result = leaky_relu(d, result);
+      if constexpr (kEpilogue == Epilogue::bounded) result = bounded(d, result, hn::Set(d, t.bound));
+      if constexpr (kEpilogue == Epilogue::leaky_relu_backward) {
         const V a = hn::Load(d, t.activated + (row + r) * t.activated_pitch + column + v * lanes);
         result =
             hn::IfThenElse(hn::Gt(a, hn::Zero(d)), result, hn::Mul(result, hn::Set(d, float(kLeakySlope))));
@@ -68,18 +68,33 @@ HWY_INLINE void product_block(const TileProduct& t, int64_t row, int64_t column)
 }
 
 /// All rows, kNv vectors of pixels.
-template <int kNv>
+template <Epilogue kEpilogue, int kNv>
 HWY_INLINE void product_panel(const TileProduct& t, int64_t column) {
-  in_blocks(t.weights->outputs,
-            [&](auto number, int64_t row) { product_block<decltype(number)::value, kNv>(t, row, column); });
+  in_blocks(t.weights->outputs, [&](auto number, int64_t row) {
+    product_block<kEpilogue, decltype(number)::value, kNv>(t, row, column);
+  });
 }
 
-void multiply_tile(const TileProduct& t) {
+template <Epilogue kEpilogue>
+void product(const TileProduct& t) {
   const int64_t lanes = int64_t(hn::Lanes(D()));
   int64_t column = 0;
   for (; column + kVectors * lanes <= t.pixels; column += kVectors * lanes)
-    product_panel<kVectors>(t, column);
-  for (; column < t.pixels; column += lanes) product_panel<1>(t, column);
+    product_panel<kEpilogue, kVectors>(t, column);
+  for (; column < t.pixels; column += lanes) product_panel<kEpilogue, 1>(t, column);
+}
+
+void multiply_tile(const TileProduct& t) {
+  switch (t.epilogue) {
+    case Epilogue::none:
+      return product<Epilogue::none>(t);
+    case Epilogue::leaky_relu:
+      return product<Epilogue::leaky_relu>(t);
+    case Epilogue::bounded:
+      return product<Epilogue::bounded>(t);
+    case Epilogue::leaky_relu_backward:
+      return product<Epilogue::leaky_relu_backward>(t);
+  }
 }
 
 /// out[0 .. 4) += the sums of a, b, c and e over all lanes.
