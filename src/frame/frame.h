@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frame/schema.h"
-#include "frame/zeroed_floats.h"
 
 namespace ld {
 
@@ -64,6 +65,36 @@ struct FrameInfo {
   int64_t clamped = 0;    // Faults::clamped when the file was written
   Windows windows;
 };
+
+/// Memory of zeros that the system gives piece by piece when it is touched, in large pages where it can: a
+/// gigabyte in pages of 4 kB takes longer to get than to decode. Null when there is none.
+void* map_zeros(size_t bytes);
+void unmap_zeros(void* memory, size_t bytes);
+
+/// Elements that a vector makes without a value are what map_zeros() gives, untouched.
+template <class T>
+struct ZeroedAllocator {
+  using value_type = T;
+  ZeroedAllocator() = default;
+  template <class U>
+  explicit ZeroedAllocator(const ZeroedAllocator<U>&) {}
+
+  T* allocate(size_t count) {
+    void* memory = map_zeros(count * sizeof(T));
+    if (memory == nullptr) throw std::bad_alloc();
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, size_t count) { unmap_zeros(memory, count * sizeof(T)); }
+  template <class U, class... Arguments>
+  void construct(U* place, Arguments&&... arguments) {
+    if constexpr (sizeof...(Arguments) > 0) new (place) U(std::forward<Arguments>(arguments)...);
+  }
+  bool operator==(const ZeroedAllocator&) const { return true; }
+  bool operator!=(const ZeroedAllocator&) const { return false; }
+};
+
+/// Zeros when it is made, not where it grows after it was made smaller.
+using ZeroedFloats = std::vector<float, ZeroedAllocator<float>>;
 
 /// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
 /// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "frame/zeroed_floats.h"
+#include "frame/frame.h"
 
 namespace ld {
 
