@@ -1,7 +1,6 @@
 #include "inference/denoise_job.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "core/error.h"
 #include "core/file_identity.h"
 #include "core/log.h"
+#include "core/process_memory.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "frame/frame_file.h"
@@ -24,13 +24,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int64_t kSteps = 100;  // of the progress of one frame
-
-/// The most memory that the process has had so far.
-int64_t peak_megabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss >> 10;
-}
 
 int64_t megabytes(const Frame& frame) {
   return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size()) >> 20;
@@ -83,7 +76,7 @@ class Run {
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
     for (const std::string& note : notes) spdlog::warn("{}: {}", task.output.string(), note);
-    const int64_t peak = peak_megabytes(), samples = megabytes(frame);
+    const int64_t peak = peak_resident_bytes() >> 20, samples = megabytes(frame);
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());

@@ -1,11 +1,10 @@
 #include "inference/denoiser.h"
 
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 
+#include "core/process_memory.h"
 #include "core/threads.h"
 #include "inference/layer_views.h"
 #include "models/graphs/network_graph.h"
@@ -16,13 +15,6 @@ namespace ld {
 namespace {
 
 constexpr int64_t kThreads = int64_t(16) << 20;  // stacks, and what operators need for a stretch of a row
-
-int64_t resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  int64_t total = 0, resident = 0;
-  statm >> total >> resident;
-  return resident * sysconf(_SC_PAGESIZE);
-}
 
 int64_t frame_bytes(const Frame& frame) {
   return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size());
