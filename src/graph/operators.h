@@ -124,6 +124,16 @@ struct Gather {
 /// side, whose deviation is a sixth of that (models/networks/pixel_blend_network.cpp).
 struct Blur {
   int64_t kernel = 1;
+
+  /// Of each tap, row by row: -d^2 / (2 sigma^2).
+  std::vector<double> logits() const {
+    std::vector<double> all;
+    const int64_t radius = kernel / 2;
+    for (int64_t dy = -radius; dy <= radius; ++dy)
+      for (int64_t dx = -radius; dx <= radius; ++dx)
+        all.push_back(-18.0 * double(dy * dy + dx * dx) / double(kernel * kernel));
+    return all;
+  }
 };
 
 /// logit [1, 1], valid [1, 1], x [1, C], y [1, C] -> k x + (1 - k) y with k = sigmoid(logit), 0 where not

@@ -111,10 +111,7 @@ class BlurStep : public GatheringStep {
   BlurStep(const graph::Blur& op, const graph::Node& node, StepContext& context)
       : GatheringStep(context, op.kernel, context.input(node, 0), context.input(node, 1),
                       context.output(node)) {
-    const int64_t radius = op.kernel / 2;
-    for (int64_t dy = -radius; dy <= radius; ++dy)
-      for (int64_t dx = -radius; dx <= radius; ++dx)
-        logits_.push_back(float(-18.0 * double(dy * dy + dx * dx) / double(op.kernel * op.kernel)));
+    for (const double logit : op.logits()) logits_.push_back(float(logit));
   }
 
  private:
