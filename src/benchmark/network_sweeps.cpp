@@ -8,7 +8,9 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/text_table.h"
+#include "graph/extent.h"
 #include "models/graphs/network_cost.h"
+#include "models/graphs/network_graph.h"
 #include "models/sample_partitioner.h"
 #include "models/sample_reducer.h"
 #include "models/unet.h"
@@ -114,7 +116,7 @@ nlohmann::ordered_json measure_network(const std::string& file, const BenchSizes
   const double inference_ms = median_ms(inference.run, repeats),
                training_ms = median_ms(training.run, repeats);
   return {{"config", file},
-          {"parameters", parameter_count(*make_network_shapes(config))},
+          {"parameters", graph::parameter_count(network_graph(config))},
           {"multiply_adds_per_pixel", inference.multiply_adds / double(sizes.inference * sizes.inference)},
           {"inference_ms", inference_ms},
           {"inference_peak_mb", peak_memory_mb(inference.run)},

@@ -9,6 +9,8 @@
 #include "core/log.h"
 #include "core/process_memory.h"
 #include "core/signals.h"
+#include "graph/extent.h"
+#include "models/graphs/network_graph.h"
 #include "ops/blas_kernels.h"
 #include "training/estimate.h"
 #include "training/run/run_folder.h"
@@ -33,7 +35,7 @@ void Trainer::open_run(const std::string& command, const std::string& dataset, i
   origin.threads = static_cast<int>(torch::get_num_threads());
   origin.processes = group_.size();
   origin.dataset = dataset;
-  origin.parameters = parameter_count(*network_);
+  origin.parameters = graph::parameter_count(network_graph(config_.network));
   origin.total_steps = total_steps;
   write_origin(run_, config_, origin);
   spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} thread{}{}{}",
