@@ -103,7 +103,7 @@ struct Denoiser::State {
 };
 
 Denoiser::Denoiser(const std::filesystem::path& model) : state_(std::make_unique<State>()) {
-  state_->network = read_network(model);
+  state_->network = read_network_weights(model);
   required_ = state_->network.config.required_features();
 }
 

@@ -50,8 +50,8 @@ torch::Tensor read_tensor(const TensorView& view) {
   return tensor;
 }
 
-void save_model(const std::filesystem::path& path, const Network& network, const std::string& provenance,
-                DType type, const Metadata& further) {
+void save_network(const std::filesystem::path& path, const Network& network, const std::string& provenance,
+                  DType type, const Metadata& further) {
   NamedTensors tensors;
   for (const auto& parameter : network.named_parameters()) {
     tensors.emplace_back(parameter.key(), parameter.value().detach().to(torch_type(type)));
@@ -65,8 +65,8 @@ void save_model(const std::filesystem::path& path, const Network& network, const
   write_tensors(path, tensors, metadata);
 }
 
-std::shared_ptr<Network> load_model(const std::filesystem::path& model) {
-  const NetworkWeights read = read_network(model);
+std::shared_ptr<Network> load_network(const std::filesystem::path& model) {
+  const NetworkWeights read = read_network_weights(model);
   const std::shared_ptr<Network> network = make_network(read.config);
   const torch::NoGradGuard no_grad;
   for (auto& parameter : network->named_parameters()) {

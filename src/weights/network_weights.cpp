@@ -45,7 +45,7 @@ void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
 
 }  // namespace
 
-NetworkWeights read_network(const std::filesystem::path& model) {
+NetworkWeights read_network_weights(const std::filesystem::path& model) {
   const std::filesystem::path path = resolve_model(model);
   if (exists(path.parent_path() / "checksums.json") && path.filename() == kCheckpointFiles[0])
     verify_checkpoint_file(path.parent_path(), kCheckpointFiles[0]);

@@ -98,7 +98,7 @@ class DenoiseProgram : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete shared_; }
   static void save(const NetworkConfig& config, const std::string& name) {
-    save_model(path(name), *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(path(name), *small_network(config, torch::kFloat32), "{}", DType::f32);
   }
   static std::string path(const std::string& name) { return (*shared_ / name).string(); }
   static DenoiseJob job(const std::string& input, const std::string& output,

@@ -39,9 +39,9 @@ Frame some_frame(int width, int height, int spp) {
 TEST(MemoryBudget, AnyGivesTheSameBitsOnOddSizes) {
   for (const NetworkConfig& config : reaching_configs()) {
     const TemporaryFolder folder;
-    save_model(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
     const Denoiser denoiser(folder / "model.safetensors");
-    const NetworkWeights network = read_network(folder / "model.safetensors");
+    const NetworkWeights network = read_network_weights(folder / "model.safetensors");
     for (const auto& [width, height, spp] : {std::tuple{37, 53, 2}, {129, 65, 1}, {1, 1, 1}, {3, 150, 3}}) {
       const Frame frame = some_frame(width, height, spp);
       const Image expected = denoiser.denoise(frame);
@@ -59,7 +59,7 @@ class Budget : public ::testing::Test {
   void SetUp() override {
     NetworkConfig config = reaching_configs()[0];
     config.unet.context = 64;
-    save_model(folder_ / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(folder_ / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
   }
   TemporaryFolder folder_;
 };

@@ -250,7 +250,7 @@ TEST_F(TrainerTest, AveragedWeightsValidateAndAreSaved) {
   trainer.train();
   const torch::Tensor average = all_parameters(trainer.averaged_network());
   EXPECT_FALSE(average.equal(all_parameters(trainer.network())));
-  EXPECT_TRUE(average.equal(all_parameters(*load_model(folder_ / "run"))));
+  EXPECT_TRUE(average.equal(all_parameters(*load_network(folder_ / "run"))));
 }
 
 TEST(Estimate, SaysTimeMemoryAndDisk) {

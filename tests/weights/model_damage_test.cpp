@@ -24,21 +24,21 @@ std::string good_file(const fs::path& path) {
       config_from_tree<NetworkConfig>(*parse_config(tiny_network_yaml(), "tiny").find("network"));
   const std::shared_ptr<Network> network = make_network(config);
   initialise(*network, 1);
-  save_model(path, *network, R"({"steps": 40})", DType::f32);
+  save_network(path, *network, R"({"steps": 40})", DType::f32);
   return read_file(path);
 }
 
 TEST(ModelDamage, DamagedFilesAreLoadedOrGiveOneLine) {
   const TemporaryFolder folder;
   const std::string good = good_file(folder / "good.safetensors");
-  load_model(folder / "good.safetensors");
+  load_network(folder / "good.safetensors");
   const int64_t before = peak_resident_bytes();
   const fs::path path = folder / "fuzz.safetensors";
   int errors = 0;
   run_trials(900, [&](uint32_t number, RandomStream& random) {
     write_new_file(path, damaged_weights(good, number, random));
     try {
-      EXPECT_GT(load_model(path)->parameters().size(), 10u);
+      EXPECT_GT(load_network(path)->parameters().size(), 10u);
     } catch (const Error& error) {
       ++errors;
       expect_clear(error.what(), "fuzz.safetensors");
@@ -68,7 +68,7 @@ TEST(ModelDamage, AbsurdSizesAreRefusedBeforeTheyTakeMemory) {
   const int64_t before = peak_resident_bytes();
   const auto refused = [&](const NetworkConfig& network) {
     write_with_network(path, good, network);
-    EXPECT_ERROR(load_model(path), "absurd.safetensors");
+    EXPECT_ERROR(load_network(path), "absurd.safetensors");
     if (!kAddressSanitizer) {
       EXPECT_LT(peak_resident_bytes() - before, 100 << 20);
     }
