@@ -108,6 +108,22 @@ TEST(GraphParity, TheGraphGivesThePictureOfTheNetwork) {
     }
 }
 
+// Sums over 1024 channels; wide enough for tiles (runtime/steps_unet.cpp) where the U-net has these.
+TEST(GraphParity, AtThePublishedWidths) {
+  const Frame frame = uneven_frame(400, 24, 2);
+  for (const std::string& name : network_names()) {
+    NetworkConfig config;
+    config.name = name;
+    const auto network = small_network(config, torch::kFloat32);
+    const Image expected = in_torch(*network, frame);
+    const float largest = *std::max_element(expected.pixels.begin(), expected.pixels.end());
+    const float difference =
+        largest_difference(in_runtime(config, weights_of(*network), frame, {2}), expected);
+    RecordProperty(name, std::to_string(difference / largest));
+    EXPECT_LE(difference, 1e-5F * largest) << full_title(config);
+  }
+}
+
 TEST(GraphParity, WhateverTheUnitsOfTheLight) {
   for (const NetworkConfig& config : graph_configs())
     for (const float factor : {1e-30F, 1e30F, 1e36F}) {
