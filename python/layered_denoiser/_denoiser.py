@@ -96,7 +96,7 @@ class Denoiser:
             their radiance do not count anyway.
         depth_scale: the unit of depth; None: that of the frame, or the median of the finite depths.
         threads: that compute; 0: OMP_NUM_THREADS, or all CPUs of the process. The bits are those of ld_denoise with as many.
-        max_memory_mb: what the whole process may take, in MB of 10^6 bytes, the samples' copy aside; 0: no bound.
+        max_memory_mb: what the whole process may take, in MB of 2^20 bytes, the samples' copy aside; 0: no bound.
         progress: called now and then with the share that is done, 0 to 1. A result that is false, other than None, cancels.
 
         Python's lock is released while this computes. Ctrl-C ends it with KeyboardInterrupt.

@@ -102,7 +102,7 @@ PictureArray PythonDenoiser::denoise(const std::map<std::string, SampleArray>& s
   Callbacks callbacks(how.progress, callers);
   DenoiseOptions options;
   options.threads = how.threads;
-  options.max_memory_bytes = how.max_memory_mb * 1'000'000;
+  options.max_memory_bytes = how.max_memory_mb * kBudgetMegabyte;
   options.progress = [&](double share) { callbacks.advance(share); };
   options.cancel = [&] { return callbacks.cancel(); };
   std::unique_ptr<float[]> pixels;

@@ -162,7 +162,7 @@ ld::DenoiseJob job_of(const Options& o) {
   job.render = render_input(o, first);
   job.tasks = ld::plan_sequence(inputs, o.output, range, job.render.mapping.has_value());
   job.model = ld::resolve_model(model_for(o, job, first));
-  job.max_memory_bytes = o.max_memory << 20;
+  job.max_memory_bytes = o.max_memory * ld::kBudgetMegabyte;
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;

@@ -25,10 +25,6 @@ namespace {
 
 constexpr int64_t kSteps = 100;  // of the progress of one frame
 
-int64_t megabytes(const Frame& frame) {
-  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size()) >> 20;
-}
-
 /// A part of the colour and, where it is not empty, a further plane.
 PicturePart layer_part(const std::string& name, const Image& colour, const Image& further,
                        const char* channel) {
@@ -76,7 +72,8 @@ class Run {
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
     for (const std::string& note : notes) spdlog::warn("{}: {}", task.output.string(), note);
-    const int64_t peak = peak_resident_bytes() >> 20, samples = megabytes(frame);
+    const int64_t peak = peak_resident_bytes() / kBudgetMegabyte,
+                  samples = frame_bytes(frame) / kBudgetMegabyte;
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());

@@ -16,12 +16,8 @@ namespace {
 
 constexpr int64_t kThreads = int64_t(16) << 20;  // stacks, and what operators need for a stretch of a row
 
-int64_t frame_bytes(const Frame& frame) {
-  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size());
-}
-
 int64_t megabytes(int64_t bytes) {
-  return (bytes + (1 << 20) - 1) >> 20;
+  return (bytes + kBudgetMegabyte - 1) / kBudgetMegabyte;
 }
 
 PictureExtent extent_of(const Frame& frame) {
@@ -45,6 +41,10 @@ int threads_of(const DenoiseOptions& options) {
 }
 
 }  // namespace
+
+int64_t frame_bytes(const Frame& frame) {
+  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size());
+}
 
 struct Denoiser::State {
   NetworkWeights network;
@@ -73,7 +73,7 @@ struct Denoiser::State {
         fail_usage(
             "a memory budget of {} MB is too small for {}x{} pixels at {} samples (beside the frame "
             "itself); the smallest is {} MB, of which program and weights take {}",
-            options.max_memory_bytes >> 20, frame.width, frame.height, frame.spp,
+            options.max_memory_bytes / kBudgetMegabyte, frame.width, frame.height, frame.spp,
             megabytes(base + made->memory_bytes()), megabytes(base));
       made.reset();
       made = plan(graph, picture, threads_of(options), block / 2);

@@ -82,10 +82,9 @@ LD_API LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const flo
 /* Which samples were drawn, [spp][height][width], 0 for no; NULL (the default): all. */
 LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
 
-/* Bounds what the whole process takes while ld_denoise() runs, the samples' copy aside, in MB of 10^6 bytes:
+/* Bounds what the whole process takes while ld_denoise() runs, the samples' copy aside, in MB of 2^20 bytes:
  * program, libraries and your own memory count. 0 (the default): no bound. The bound changes no bit of
- * the picture, unless the matrix library rounds products of fewer rows otherwise: then by 1e-5 of a value at
- * most. A bound that is too small makes ld_denoise() fail and name the smallest one. */
+ * the picture. One that is too small makes ld_denoise() fail and name the smallest one. */
 LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
 
 /* NULL (the default): none. */
