@@ -160,7 +160,7 @@ ld::DenoiseJob job_of(const Options& o) {
   const std::vector<std::string> inputs = without_results(o, ld::expand_names(o.inputs));
   const std::filesystem::path first = ld::first_file(inputs, range);
   job.render = render_input(o, first);
-  job.tasks = ld::plan_sequence(inputs, o.output, range, job.render.mapping.has_value());
+  job.tasks = ld::plan_tasks(inputs, o.output, range, job.render.mapping.has_value());
   job.model = ld::resolve_model(model_for(o, job, first));
   job.max_memory_bytes = o.max_memory * ld::kBudgetMegabyte;
   job.samples = o.samples;

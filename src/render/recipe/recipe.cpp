@@ -123,7 +123,7 @@ Recipe scene_recipe(const std::string& scene, const std::string& probe, int64_t 
   return recipe;
 }
 
-std::pair<int64_t, int64_t> parse_frame_range(const std::string& text, int64_t frame_count) {
+std::pair<int64_t, int64_t> frames_of_recipe(const std::string& text, int64_t frame_count) {
   if (text.empty()) return {0, frame_count};
   const size_t colon = text.find(':');
   if (colon == std::string::npos)

@@ -109,6 +109,6 @@ Recipe scene_recipe(const std::string& scene, const std::string& probe, int64_t 
 
 /// Parses "A:B", frames A to B - 1; either may be left out; "" is all. Throws UsageError when it does not
 /// fit.
-std::pair<int64_t, int64_t> parse_frame_range(const std::string& text, int64_t frame_count);
+std::pair<int64_t, int64_t> frames_of_recipe(const std::string& text, int64_t frame_count);
 
 }  // namespace ld

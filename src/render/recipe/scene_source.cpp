@@ -76,9 +76,9 @@ class RandomSequences : public SceneSource {
 };
 
 /// A scene file, loaded once.
-class FileViews : public SceneSource {
+class SceneFileFrames : public SceneSource {
  public:
-  explicit FileViews(const Recipe& recipe) : recipe_(recipe), file_(config_.path, config_.animation) {
+  explicit SceneFileFrames(const Recipe& recipe) : recipe_(recipe), file_(config_.path, config_.animation) {
     if (!config_.probe.empty()) {
       const auto turn = static_cast<float>(config_.probe_turn) * kPi / 180;
       probe_ = read_probe(config_.probe, grey(static_cast<float>(config_.probe_scale)), turn);
@@ -121,9 +121,9 @@ class FileViews : public SceneSource {
 
 /// The file's animation frame by frame from config.time on. A camera of the file that is animated is
 /// followed; others fly.
-class FileSequences : public FileViews {
+class SceneFileSequences : public SceneFileFrames {
  public:
-  using FileViews::FileViews;
+  using SceneFileFrames::SceneFileFrames;
 
   std::unique_ptr<PreparedScene> prepare(int64_t frame) const override {
     const int64_t sequence = recipe_.sequence_of(frame), position = recipe_.position_of(frame);
@@ -167,8 +167,8 @@ class FileSequences : public FileViews {
 std::unique_ptr<SceneSource> make_scene_source(const Recipe& recipe) {
   const bool sequences = recipe.sequence.used();
   if (recipe.scene_file.used()) {
-    if (sequences) return std::make_unique<FileSequences>(recipe);
-    return std::make_unique<FileViews>(recipe);
+    if (sequences) return std::make_unique<SceneFileSequences>(recipe);
+    return std::make_unique<SceneFileFrames>(recipe);
   }
   if (sequences) return std::make_unique<RandomSequences>(recipe);
   return std::make_unique<RandomScenes>(recipe);
