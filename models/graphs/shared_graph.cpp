@@ -69,9 +69,14 @@ std::optional<ValueId> add_demodulation(Graph& graph, const NetworkConfig& confi
   return modulators;
 }
 
+ValueId add_modulation_factors(Graph& graph, ValueId modulators, ValueId context) {
+  return graph.add(graph::ModulationFactors{"modulation.weight"}, {modulators, context},
+                   {"factors", Items::picture, 4});
+}
+
 ValueId add_modulation(Graph& graph, ValueId filtered, std::optional<ValueId> modulators, ValueId context) {
   if (!modulators) return filtered;
-  return graph.add(graph::Modulate{"modulation.weight"}, {filtered, *modulators, context},
+  return graph.add(graph::Modulate{}, {filtered, add_modulation_factors(graph, *modulators, context)},
                    {"picture", Items::picture, 3});
 }
 

@@ -29,6 +29,9 @@ graph::ValueId add_reducer(graph::Graph& graph, const NetworkConfig& config, gra
 std::optional<graph::ValueId> add_demodulation(graph::Graph& graph, const NetworkConfig& config,
                                                GraphInput& input);
 
+/// The texture that comes back, and how much of it.
+graph::ValueId add_modulation_factors(graph::Graph& graph, graph::ValueId modulators, graph::ValueId context);
+
 /// The picture from what was filtered.
 graph::ValueId add_modulation(graph::Graph& graph, graph::ValueId filtered,
                               std::optional<graph::ValueId> modulators, graph::ValueId context);

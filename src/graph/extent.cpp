@@ -45,8 +45,8 @@ struct ParametersOf {
   std::vector<Parameter> operator()(const Gather& op) const {
     return layers(op.generator, channels(0) + channels(1));
   }
-  std::vector<Parameter> operator()(const Modulate& op) const {
-    return layers({op.weights, {1}}, 1 + channels(2));
+  std::vector<Parameter> operator()(const ModulationFactors& op) const {
+    return layers({op.weights, {1}}, 1 + channels(1));
   }
 };
 

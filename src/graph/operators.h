@@ -86,8 +86,9 @@ struct Received {
 /// models/networks/optimized_network.h).
 struct BlendLevels {};
 
-/// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what Modulate
-/// needs [1, 4] (models/demodulation.h). First channels of the features that are there, else -1.
+/// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what
+/// ModulationFactors needs [1, 4] (models/demodulation.h). First channels of the features that are there,
+/// else -1.
 struct Demodulate {
   int64_t albedo = -1, specular = -1;
 };
@@ -143,10 +144,13 @@ struct Mix {};
 /// [N, C + 1], the transmittance last -> [1, C] ([MH20] eq. 5; models/compositor.h).
 struct Composite {};
 
-/// filtered [1, 6], modulators [1, 4], context [1, C] -> [1, 3] (models/demodulation.h).
-struct Modulate {
+/// modulators [1, 4], context [1, C] -> A [1, 3] and beta [1, 1], in one value (models/demodulation.h).
+struct ModulationFactors {
   std::string weights;
 };
+
+/// filtered [1, 6], factors [1, 4] -> [1, 3] (models/demodulation.h).
+struct Modulate {};
 
 /// -> [N, N]: item l is 1 in channel l, else 0; whose splat tells how much of a pixel comes from layer l.
 struct LayerIdentity {};
@@ -154,7 +158,7 @@ struct LayerIdentity {};
 using Operator =
     std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped, FullyConnected,
                  Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
-                 Reject, Splat, Gather, Blur, Mix, Composite, Modulate, LayerIdentity>;
+                 Reject, Splat, Gather, Blur, Mix, Composite, ModulationFactors, Modulate, LayerIdentity>;
 
 /// Rows of an input that an operator reads for its rows [begin, end): up to rows_read_to(end), and of the
 /// rows before rows_read_from(begin) none any more once all rows before `begin` are made. Both within [0,

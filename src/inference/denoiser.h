@@ -41,7 +41,8 @@ class Cancelled : public Error {
 /// A layer of a layered network, for looking ([MH20] figure 3 and 8). Radiance is premultiplied: L_l / n_l is
 /// what the layer adds to a picture in which nothing lies in front of it, its colour times its opacity. With
 /// the weighted compositor n_l is w_l, the opacity 1 and the radiance the colour. With demodulation, the
-/// layers are those of the radiance as it is.
+/// layers are those of the radiance as it is; what they add to the output has the texture
+/// (models/demodulation.h).
 struct LayerPicture {
   Image unfiltered;    // L_l / n_l [3, H, W]
   Image radiance;      // filtered L_l over filtered n_l, eq. 4 [3, H, W]: premultiplied with alpha

@@ -69,6 +69,8 @@ std::unique_ptr<Step> make_step(const graph::Gather& op, const graph::Node& node
 std::unique_ptr<Step> make_step(const graph::Blur& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Mix& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Composite& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
+                                StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::LayerIdentity& op, const graph::Node& node,
                                 StepContext& context);

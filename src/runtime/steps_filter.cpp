@@ -169,32 +169,23 @@ class SplatStep : public Step {
   int64_t next_ = 0;                                // the number of the first strip that is not made
 };
 
-/// Of Modulate.
-struct ModulateRow {
-  RowWindow filtered, modulators, shared, out;
+/// Of ModulationFactors.
+struct ModulationFactorsRow {
+  RowWindow modulators, shared, out;
   std::vector<float> weights;
 
-  void operator()(int64_t y, float* __restrict beta) const {
+  void operator()(int64_t y, float* /*scratch*/) const {
     const int64_t width = out.width;
+    for (int64_t c = 0; c < 3; ++c) std::copy_n(modulators.row(y, c), width, out.row(y, c));
+    float* __restrict beta = out.row(y, 3);
     for (int64_t x = 0; x < width; ++x)
       beta[x] = weights[0] + weights[1] * std::exp(-float(kSteadyFalloff) * variance(y, x));
     for (int64_t c = 0; c < shared.planes; ++c)
       add_weighted(shared.row(y, c), weights[size_t(2 + c)], width, beta);
     for (int64_t x = 0; x < width; ++x) {
-      float mean = 0, plain = 0;
-      for (int64_t c = 0; c < 3; ++c) {
-        mean = std::max(mean, modulators.row(y, c)[x]);
-        plain = std::max(plain, filtered.row(y, 3 + c)[x]);
-      }
-      const bool off = mean == 0 || plain > float(kLargestModulated);
-      beta[x] = off ? 0.0f : 1 / (1 + std::exp(-beta[x]));
-    }
-    for (int64_t c = 0; c < 3; ++c) {
-      const float* __restrict mean = modulators.row(y, c);
-      const float* __restrict divided = filtered.row(y, c);
-      const float* __restrict plain = filtered.row(y, 3 + c);
-      float* __restrict to = out.row(y, c);
-      for (int64_t x = 0; x < width; ++x) to[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
+      float mean = 0;
+      for (int64_t c = 0; c < 3; ++c) mean = std::max(mean, modulators.row(y, c)[x]);
+      beta[x] = mean == 0 ? 0.0f : 1 / (1 + std::exp(-beta[x]));
     }
   }
 
@@ -246,10 +237,29 @@ std::unique_ptr<Step> make_step(const graph::Composite&, const graph::Node& node
     }
   });
 }
-std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context) {
-  const ModulateRow row = {context.input(node, 0), context.input(node, 1), context.input(node, 2),
-                           context.output(node), one_output(op.weights, context.weights)};
-  return row_step(context, row.out.width, row);
+std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
+                                StepContext& context) {
+  const ModulationFactorsRow row = {context.input(node, 0), context.input(node, 1), context.output(node),
+                                    one_output(op.weights, context.weights)};
+  return row_step(context, 0, row);
+}
+std::unique_ptr<Step> make_step(const graph::Modulate&, const graph::Node& node, StepContext& context) {
+  const RowWindow filtered = context.input(node, 0), factors = context.input(node, 1),
+                  out = context.output(node);
+  return row_step(context, out.width, [=](int64_t y, float* __restrict beta) {
+    for (int64_t x = 0; x < out.width; ++x) {
+      float plain = 0;
+      for (int64_t c = 0; c < 3; ++c) plain = std::max(plain, filtered.row(y, 3 + c)[x]);
+      beta[x] = plain > float(kLargestModulated) ? 0.0f : factors.row(y, 3)[x];
+    }
+    for (int64_t c = 0; c < 3; ++c) {
+      const float* __restrict mean = factors.row(y, c);
+      const float* __restrict divided = filtered.row(y, c);
+      const float* __restrict plain = filtered.row(y, 3 + c);
+      float* __restrict to = out.row(y, c);
+      for (int64_t x = 0; x < out.width; ++x) to[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
+    }
+  });
 }
 
 }  // namespace ld
