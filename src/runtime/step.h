@@ -19,8 +19,8 @@ class Step {
   virtual void run(int64_t begin, int64_t end) = 0;
   /// Before row 0 of a frame.
   virtual void start() {}
-  /// What run() needs besides the windows when it makes so many rows at a time; nothing that is as small as a
-  /// stretch of a row.
+  /// What the step needs besides windows and weights when it makes so many rows at a time; nothing that is as
+  /// small as a stretch of a row.
   virtual int64_t scratch_bytes(int64_t /*rows*/) const { return 0; }
 };
 

@@ -92,8 +92,10 @@ class WinogradStep : public Step {
     for (int t = 0; t < context.threads; ++t) scratch_.emplace_back(weights_);
   }
 
+  /// The matrices of the weights take the place of these.
   int64_t scratch_bytes(int64_t) const override {
-    return context_.threads * WinogradScratch::floats(weights_) * int64_t(sizeof(float));
+    const int64_t more = weights_.floats() - 9 * weights_.outputs * weights_.inputs;
+    return (context_.threads * WinogradScratch::floats(weights_) + more) * int64_t(sizeof(float));
   }
 
   void run(int64_t begin, int64_t end) override {

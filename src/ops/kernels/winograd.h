@@ -15,6 +15,9 @@ class WinogradWeights {
  public:
   WinogradWeights(const float* weights, const float* biases, int64_t outputs, int64_t inputs);
 
+  /// Of the matrices.
+  int64_t floats() const { return 16 * outputs * inputs; }
+
   int64_t outputs, inputs;
   std::vector<PackedWeights> matrices;
   std::vector<float> biases;
