@@ -116,14 +116,18 @@ std::vector<Found> radiance_of(const ExrReader& exr, const FileViews& views, con
   if (found.empty() && !mapping.features[1].channels.empty())
     found = find_feature_channels(exr, views, mapping, mapping.features[1]);
   if (!found.empty()) return found;
-  std::string channels;
-  for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
-    channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
   fail("{}: no radiance: nothing fits {}; the file has {}; choose another --preset or --mapping", exr.path(),
-       shown(fmt::format("{}", fmt::join(radiance.channels, ", ")), 400), channels);
+       shown(fmt::format("{}", fmt::join(radiance.channels, ", ")), 400), channels_of_parts(exr));
 }
 
 }  // namespace
+
+std::string channels_of_parts(const ExrReader& exr) {
+  std::string channels;
+  for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
+    channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
+  return channels;
+}
 
 bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping) {
   const FileViews views(exr, mapping.view);

@@ -31,6 +31,9 @@ enum class Wanted {
   picture,     // radiance and alpha
 };
 
+/// "B, G, R; Z": the channels of all parts, for complaints; not more of them than fit a few lines.
+std::string channels_of_parts(const ExrReader& exr);
+
 /// Whether the file has a channel for each component of the mapping's radiance.
 bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping);
 
