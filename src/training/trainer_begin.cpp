@@ -96,7 +96,8 @@ void Trainer::announce() {
   plan.validation_pixels = validation_.pixels() / group_.size();
   plan.checkpoint_bytes = checkpoint_bytes(*network_, optimizer_.average());
   plan.state_megabytes = static_cast<double>(plan.checkpoint_bytes) / kBytesPerMegabyte;
-  plan.available_megabytes = static_cast<double>(available_bytes() + resident_bytes()) / kBytesPerMegabyte;
+  if (const int64_t available = available_bytes(); available >= 0)
+    plan.available_megabytes = static_cast<double>(available + resident_bytes()) / kBytesPerMegabyte;
   plan.max_minutes = config_.run.max_minutes;
   plan.checkpoints = config_.run.keep + 2;  // the best, and the one being written
   plan.free_bytes = std::filesystem::space(run_).available;
