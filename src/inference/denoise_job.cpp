@@ -32,10 +32,6 @@ int64_t peak_megabytes() {
   return usage.ru_maxrss >> 10;
 }
 
-int64_t megabytes(const Frame& frame) {
-  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size()) >> 20;
-}
-
 /// A part of the colour and, where it is not empty, a further plane.
 PicturePart layer_part(const std::string& name, const Image& colour, const Image& further,
                        const char* channel) {
@@ -83,7 +79,7 @@ class Run {
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
     for (const std::string& note : notes) spdlog::warn("{}: {}", task.output.string(), note);
-    const int64_t peak = peak_megabytes(), samples = megabytes(frame);
+    const int64_t peak = peak_megabytes(), samples = frame.bytes() >> 20;
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());

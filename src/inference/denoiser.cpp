@@ -24,10 +24,6 @@ int64_t resident_bytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-int64_t frame_bytes(const Frame& frame) {
-  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size());
-}
-
 int64_t megabytes(int64_t bytes) {
   return (bytes + (1 << 20) - 1) >> 20;
 }
@@ -72,7 +68,7 @@ struct Denoiser::State {
                                   const DenoiseOptions& options) const {
     const PictureExtent picture = extent_of(frame);
     malloc_trim(0);  // what earlier plans have freed
-    const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0) + kThreads;
+    const int64_t base = std::max<int64_t>(resident_bytes() - frame.bytes(), 0) + kThreads;
     auto made = plan(graph, picture, threads_of(options));
     if (options.max_memory_bytes <= 0) return made;
     while (base + made->memory_bytes() > options.max_memory_bytes) {
