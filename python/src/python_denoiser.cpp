@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "arrays.h"
+#include "core/threads.h"
 #include "embed/floating_point.h"
 #include "embed/frame_buffers.h"
 #include "models/network_config.h"
@@ -73,8 +74,8 @@ FrameBuffers buffers_of(const std::map<std::string, SampleArray>& samples, const
   return buffers;
 }
 
-Frame frame_of(const FrameBuffers& buffers, const Denoiser& denoiser, float depth_scale) {
-  Frame frame = buffers.gather(denoiser.network_config().features, denoiser.features());
+Frame frame_of(const FrameBuffers& buffers, const Denoiser& denoiser, float depth_scale, int threads) {
+  Frame frame = buffers.gather(denoiser.network_config().features, denoiser.features(), threads);
   if (depth_scale > 0) frame.info.depth_scale = depth_scale;
   if (std::all_of(frame.valid.begin(), frame.valid.end(), [](uint8_t drawn) { return drawn == 0; }))
     fail_usage(
@@ -101,7 +102,7 @@ PictureArray PythonDenoiser::denoise(const std::map<std::string, SampleArray>& s
   const FloatingPointSettings callers;
   Callbacks callbacks(how.progress, callers);
   DenoiseOptions options;
-  options.threads = how.threads;
+  options.threads = how.threads > 0 ? how.threads : default_threads();
   options.max_memory_bytes = how.max_memory_mb * kBudgetMegabyte;
   options.progress = [&](double share) { callbacks.advance(share); };
   options.cancel = [&] { return callbacks.cancel(); };
@@ -109,10 +110,11 @@ PictureArray PythonDenoiser::denoise(const std::map<std::string, SampleArray>& s
   {
     const nb::gil_scoped_release unlocked;
     const FloatingPointGuard settings;
-    const Image picture = denoiser_.denoise(frame_of(buffers, denoiser_, how.depth_scale), options);
+    const Image picture =
+        denoiser_.denoise(frame_of(buffers, denoiser_, how.depth_scale, options.threads), options);
     pixels = std::make_unique<float[]>(picture.pixels.size());
     const LdStrides interleaved = {0, 1, ptrdiff_t(3) * picture.width, 3};
-    scatter(picture, pixels.get(), &interleaved);
+    scatter(picture, pixels.get(), &interleaved, options.threads);
   }
   const nb::capsule owner(pixels.get(), [](void* data) noexcept { delete[] static_cast<float*>(data); });
   float* const data = pixels.release();

@@ -11,6 +11,7 @@
 #include "benchmark/loader.h"
 #include "benchmark/network_sweeps.h"
 #include "benchmark/render_speed.h"
+#include "benchmark/size_times.h"
 #include "benchmark/tradeoff.h"
 #include "core/file_io.h"
 #include "core/log.h"
@@ -33,6 +34,7 @@ struct Options {
 void make_quick(Options& options) {
   options.sizes.inference = options.sizes.training = 32;
   options.sizes.spp = 2;
+  options.sizes.pictures = {{32, 32}, {48, 33}};
   options.measure.repeats = 1;
   options.spp = {1, 8};
 }
@@ -49,12 +51,17 @@ void draw(const Options& options, const std::string& file, const Plot& plot) {
     ld::write_file_atomically(std::filesystem::path(options.out) / file, ld::to_svg(plot));
 }
 
+template <class Row>
+void add_names(const std::vector<Row>& rows, std::vector<std::string>& names) {
+  for (const Row& row : rows) names.push_back(row.name);
+}
+
 nlohmann::ordered_json run_rows(const Options& options, const std::vector<ld::RowSpec>& specs,
                                 const std::string& name, int threads) {
   const double sgemm = ld::sgemm_gflops(options.sizes.quick ? 256 : 2048, options.measure.repeats);
   spdlog::info("sgemm: {:.1f} GFLOP/s on {} threads", sgemm, threads);
-  const auto rows = ld::run_rows(specs, options.only, options.measure, sgemm);
-  publish(options, name + ".md", ld::markdown_rows(rows));
+  const auto rows = ld::run_rows(ld::chosen_rows(specs, options.only), options.measure, sgemm);
+  if (!rows.empty()) publish(options, name + ".md", ld::markdown_rows(rows));
   nlohmann::ordered_json json = {{"version", LD_VERSION},
                                  {"threads", threads},
                                  {"quick", options.sizes.quick},
@@ -65,6 +72,22 @@ nlohmann::ordered_json run_rows(const Options& options, const std::vector<ld::Ro
                                  {"rows", nlohmann::ordered_json::array()}};
   for (const ld::BenchRow& row : rows) json["rows"].push_back(ld::to_json(row));
   return json;
+}
+
+void run_sizes(const Options& options, const std::vector<ld::SizeRow>& rows, nlohmann::ordered_json& json) {
+  const auto chosen = ld::chosen_rows(rows, options.only);
+  if (chosen.empty()) return;
+  const ld::MachineSpeed machine = {
+      json.at("sgemm_gflops"),
+      ld::memory_gb_per_s(options.measure.repeats, int64_t(1) << (options.sizes.quick ? 20 : 25))};
+  json["memory_gb_per_s"] = machine.memory_gb_per_s;
+  std::vector<ld::SizeTime> times;
+  for (const ld::SizeRow& row : chosen) {
+    spdlog::info("{} ...", row.name);
+    times.push_back(ld::time_size(row, options.measure.repeats));
+  }
+  publish(options, "sizes.md", ld::markdown(times, machine));
+  json["sizes"] = ld::to_json(times, machine);
 }
 
 void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
@@ -82,6 +105,27 @@ void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
   publish(options, "samples.md", ld::markdown(times));
   draw(options, "samples.svg", ld::figure(times));
   json["samples"] = ld::to_json(times);
+}
+
+nlohmann::ordered_json run_network(const Options& options, int threads) {
+  const auto rows = ld::network_rows(options.sizes);
+  const auto sizes = ld::size_rows(options.sizes);
+  std::vector<std::string> names;
+  add_names(rows, names);
+  add_names(sizes, names);
+  ld::check_only(options.only, names);
+  auto json = run_rows(options, rows, "network", threads);
+  run_sizes(options, sizes, json);
+  if (options.only.empty()) run_sweeps(options, json);
+  return json;
+}
+
+nlohmann::ordered_json run_ops(const Options& options, int threads) {
+  const auto rows = ld::operator_rows(options.sizes);
+  std::vector<std::string> names;
+  add_names(rows, names);
+  ld::check_only(options.only, names);
+  return run_rows(options, rows, "ops", threads);
 }
 
 struct Commands {
@@ -128,8 +172,9 @@ void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
 Commands declare(CLI::App& app, Options& options) {
   Commands commands;
   commands.ops = app.add_subcommand("ops", "each operator, forward and with its backward pass");
-  commands.network =
-      app.add_subcommand("network", "whole networks; then cost, time by stage and time by number of samples");
+  commands.network = app.add_subcommand(
+      "network",
+      "whole networks; the runtime on several sizes; cost, time by stage and by number of samples");
   commands.render = app.add_subcommand("render", "the path tracer against Embree alone on the same rays");
   commands.loader = app.add_subcommand("loader", "crops from a data set, and the making of their cache");
   declare_loader(*commands.loader, options.loader);
@@ -212,10 +257,9 @@ int main(int argc, char** argv) {
     if (options.sizes.quick) make_quick(options);
     nlohmann::ordered_json json;
     if (commands.ops->parsed()) {
-      json = run_rows(options, ld::operator_rows(options.sizes), "ops", app.threads());
+      json = run_ops(options, app.threads());
     } else if (commands.network->parsed()) {
-      json = run_rows(options, ld::network_rows(options.sizes), "network", app.threads());
-      if (options.only.empty()) run_sweeps(options, json);
+      json = run_network(options, app.threads());
     } else if (commands.render->parsed()) {
       json = run_rendering(options, app.threads());
     } else if (commands.loader->parsed()) {

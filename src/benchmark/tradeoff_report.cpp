@@ -72,7 +72,9 @@ std::string markdown(const Tradeoff& tradeoff) {
          fmt::format(
              "\nMeans over {} frames of {}x{} at {} spp ({}, {}); {} threads. Unbeaten: no other model is at "
              "least as good in {}, time and memory and better in one; other programs are the point to "
-             "beat.\n",
+             "beat. Times begin with the samples in memory: ours count the encoding, those of other programs "
+             "are what their cost.json says. Ours take turns; scripts/speed.sh takes turns with Open Image "
+             "Denoise, too.\n",
              tradeoff.frames, tradeoff.width, tradeoff.height, tradeoff.spp, tradeoff.data, tradeoff.split,
              tradeoff.threads, find_metric(tradeoff.metric).title);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/threads.h"
 
 namespace ld {
 namespace {
@@ -37,8 +38,8 @@ void FrameBuffers::set_feature(const std::string& name, const float* data, const
   features_[name] = {data, strides != nullptr ? *strides : planar(width_, height_, feature.channels)};
 }
 
-Frame FrameBuffers::gather(const std::vector<std::string>& features,
-                           const std::vector<std::string>& required) const {
+Frame FrameBuffers::gather(const std::vector<std::string>& features, const std::vector<std::string>& required,
+                           int threads) const {
   if (width_ == 0) fail_usage("the frame has no size; call ld_set_size first");
   for (const std::string& name : required)
     if (features_.count(name) == 0)
@@ -50,28 +51,32 @@ Frame FrameBuffers::gather(const std::vector<std::string>& features,
   if (valid_ != nullptr)
     std::transform(valid_, valid_ + frame.valid.size(), frame.valid.begin(),
                    [](uint8_t drawn) { return uint8_t(drawn != 0); });
-  for (const std::string& name : frame.features) {
-    const auto& [data, strides] = features_.at(name);
-    const Feature& feature = find_feature(name);
-    for (int s = 0; s < spp_; ++s)
+  // A row at a time stays in the cache, where the channels of a pixel may lie side by side.
+  parallel_for(int64_t(spp_) * height_, threads, [&](int64_t i) {
+    const int s = int(i / height_), y = int(i % height_);
+    for (const std::string& name : frame.features) {
+      const auto& [data, strides] = features_.at(name);
+      const Feature& feature = find_feature(name);
       for (int c = 0; c < feature.channels; ++c) {
-        float* out = frame.plane(s, feature.offset + c);
-        const float* from = data + s * strides.sample + c * strides.channel;
-        for (int y = 0; y < height_; ++y)
-          for (int x = 0; x < width_; ++x) *out++ = from[y * strides.row + x * strides.pixel];
+        float* out = frame.plane(s, feature.offset + c) + size_t(y) * size_t(width_);
+        const float* from = data + s * strides.sample + c * strides.channel + y * strides.row;
+        for (int x = 0; x < width_; ++x) out[x] = from[x * strides.pixel];
       }
-  }
-  sanitise(frame);
-  frame.info.depth_scale = median_depth(frame);
+    }
+    Faults faults;
+    sanitise(frame, s, size_t(y) * size_t(width_), size_t(width_), faults);
+  });
+  frame.info.depth_scale = median_depth(frame, threads);
   return frame;
 }
 
-void scatter(const Image& picture, float* data, const LdStrides* strides) {
+void scatter(const Image& picture, float* data, const LdStrides* strides, int threads) {
   const LdStrides to = strides != nullptr ? *strides : planar(picture.width, picture.height, 3);
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < picture.height; ++y)
+  parallel_for(picture.height, threads, [&](int64_t y) {
+    for (int c = 0; c < 3; ++c)
       for (int x = 0; x < picture.width; ++x)
-        data[c * to.channel + y * to.row + x * to.pixel] = picture.at(c, x, y);
+        data[c * to.channel + y * to.row + x * to.pixel] = picture.at(c, x, int(y));
+  });
 }
 
 }  // namespace ld

@@ -25,7 +25,8 @@ class FrameBuffers {
 
   /// A frame with those of `features` that were set, sanitised. Throws UsageError when a required one was
   /// not, naming it.
-  Frame gather(const std::vector<std::string>& features, const std::vector<std::string>& required) const;
+  Frame gather(const std::vector<std::string>& features, const std::vector<std::string>& required,
+               int threads) const;
 
  private:
   struct Buffer {
@@ -38,6 +39,6 @@ class FrameBuffers {
 };
 
 /// Writes a picture [3, H, W] to the caller's memory.
-void scatter(const Image& picture, float* data, const LdStrides* strides);
+void scatter(const Image& picture, float* data, const LdStrides* strides, int threads);
 
 }  // namespace ld

@@ -154,9 +154,9 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
   return guarded([&] {
     denoiser->options.threads = threads();
     denoiser->cancelled = false;
-    const ld::Frame frame =
-        denoiser->buffers.gather(denoiser->denoiser.network_config().features, denoiser->denoiser.features());
-    ld::scatter(denoiser->denoiser.denoise(frame, denoiser->options), picture, strides);
+    const ld::Frame frame = denoiser->buffers.gather(denoiser->denoiser.network_config().features,
+                                                     denoiser->denoiser.features(), threads());
+    ld::scatter(denoiser->denoiser.denoise(frame, denoiser->options), picture, strides, threads());
   });
 }
 

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <map>
+#include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frame/schema.h"
@@ -64,9 +67,29 @@ struct FrameInfo {
   Windows windows;
 };
 
-/// Zeros in memory that the system gives in large pieces where it can: a gigabyte in pages of 4 kB takes
-/// longer to get than to decode.
-std::vector<float> zeros_in_large_pages(size_t count);
+/// Memory for so many values, all bits 0, which std::free takes back. Throws std::bad_alloc.
+void* zero_pages(size_t count, size_t size);
+
+/// Zeros from the system, in large pages where it can: a gigabyte in pages of 4 kB takes longer to get than
+/// to decode. Memory that nobody writes to is not even taken. So values that are made without a word are left
+/// as they lie: a vector with this allocator may shrink but must not grow again.
+template <class T>
+struct ZeroPages {
+  using value_type = T;
+  ZeroPages() = default;
+  template <class U>
+  ZeroPages(const ZeroPages<U>& /*other*/) noexcept {}
+  T* allocate(size_t count) { return static_cast<T*>(zero_pages(count, sizeof(T))); }
+  void deallocate(T* memory, size_t /*count*/) noexcept { std::free(memory); }
+  template <class U>
+  void construct(U* /*place*/) noexcept {}
+  template <class U, class... Values>
+  void construct(U* place, Values&&... values) {
+    ::new (static_cast<void*>(place)) U(std::forward<Values>(values)...);
+  }
+  bool operator==(const ZeroPages& /*other*/) const { return true; }
+  bool operator!=(const ZeroPages& /*other*/) const { return false; }
+};
 
 /// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
 /// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
@@ -74,7 +97,7 @@ std::vector<float> zeros_in_large_pages(size_t count);
 struct Frame {
   int width = 0, height = 0, spp = 0;
   std::vector<std::string> features = mh20_feature_names();  // those it holds, in any order
-  std::vector<float> samples;
+  std::vector<float, ZeroPages<float>> samples;
   std::vector<uint8_t> valid;
   std::vector<float> alpha;  // [spp, height, width]: 1 opaque, its radiance is premultiplied; empty: none
   FrameInfo info;
@@ -84,9 +107,14 @@ struct Frame {
       : width(w),
         height(h),
         spp(s),
-        samples(zeros_in_large_pages(size_t(w) * size_t(h) * size_t(s) * kSampleChannels)),
+        samples(size_t(w) * size_t(h) * size_t(s) * kSampleChannels),
         valid(size_t(w) * size_t(h) * size_t(s), 1) {}
   size_t plane_size() const { return size_t(width) * size_t(height); }
+  /// The memory of what it holds; features that it does not hold take none.
+  int64_t bytes() const {
+    return int64_t(valid.size()) * (1 + channel_count(features) * int64_t(sizeof(float))) +
+           int64_t(alpha.size() * sizeof(float));
+  }
   float* plane(int sample, int channel) {
     return samples.data() + (size_t(sample) * kSampleChannels + size_t(channel)) * plane_size();
   }
@@ -116,7 +144,8 @@ Image mean_radiance(const Frame& frame);
 /// Mean alpha of the valid samples, [1, H, W]; 0 where a pixel has none. The frame must have alpha.
 Image mean_alpha(const Frame& frame);
 
-/// Median over the depths of valid samples below kEscapedDepth; 1 when there is none, or no depth.
-float median_depth(const Frame& frame);
+/// Median over the depths of valid samples below kEscapedDepth, the upper one of an even number; 1 when there
+/// is none, or no depth. NaN counts as escaped.
+float median_depth(const Frame& frame, int threads = 1);
 
 }  // namespace ld

@@ -202,7 +202,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
     faults.guides += found.guides;
   });
   faults.clamped = frame.info.clamped;
-  if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame);
+  if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame, threads);
   return frame;
 }
 

@@ -72,8 +72,7 @@ class Run {
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
     for (const std::string& note : notes) spdlog::warn("{}: {}", task.output.string(), note);
-    const int64_t peak = peak_resident_bytes() / kBudgetMegabyte,
-                  samples = frame_bytes(frame) / kBudgetMegabyte;
+    const int64_t peak = peak_resident_bytes() / kBudgetMegabyte, samples = frame.bytes() / kBudgetMegabyte;
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());

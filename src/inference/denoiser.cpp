@@ -42,10 +42,6 @@ int threads_of(const DenoiseOptions& options) {
 
 }  // namespace
 
-int64_t frame_bytes(const Frame& frame) {
-  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size());
-}
-
 struct Denoiser::State {
   NetworkWeights network;
   // What the last frame ran with.
@@ -64,7 +60,7 @@ struct Denoiser::State {
                                   const DenoiseOptions& options) const {
     const PictureExtent picture = extent_of(frame);
     malloc_trim(0);  // what earlier plans have freed
-    const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0) + kThreads;
+    const int64_t base = std::max<int64_t>(resident_bytes() - frame.bytes(), 0) + kThreads;
     auto made = plan(graph, picture, threads_of(options));
     if (options.max_memory_bytes <= 0) return made;
     while (base + made->memory_bytes() > options.max_memory_bytes) {

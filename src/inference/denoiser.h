@@ -17,8 +17,6 @@ struct NetworkConfig;
 
 /// What budgets and the messages about them call an MB.
 inline constexpr int64_t kBudgetMegabyte = int64_t(1) << 20;
-/// What a frame takes, which budgets leave aside.
-int64_t frame_bytes(const Frame& frame);
 
 /// How a frame is denoised; nothing here changes a bit of the result.
 struct DenoiseOptions {

@@ -77,4 +77,14 @@ std::shared_ptr<Network> load_network(const std::filesystem::path& model) {
   return network;
 }
 
+NamedWeights weights_of(const Network& network) {
+  NamedWeights weights;
+  for (const auto& entry : network.named_parameters()) {
+    const torch::Tensor values = entry.value().detach().to(torch::kFloat32).contiguous();
+    weights.add(entry.key(), {values.sizes().vec(),
+                              {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()}});
+  }
+  return weights;
+}
+
 }  // namespace ld

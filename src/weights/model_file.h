@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "models/network.h"
+#include "weights/named_weights.h"
 #include "weights/safetensors.h"
 
 namespace ld {
@@ -33,5 +34,8 @@ void save_network(const std::filesystem::path& path, const Network& network, con
 /// large is made when the file holds less or more than its network has. Weights in a checkpoint must have the
 /// checksum that is noted beside them.
 std::shared_ptr<Network> load_network(const std::filesystem::path& model);
+
+/// A copy of all parameters, for the runtime (runtime/executor.h).
+NamedWeights weights_of(const Network& network);
 
 }  // namespace ld
