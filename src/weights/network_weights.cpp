@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <set>
 
@@ -29,7 +31,10 @@ int64_t count_of(const std::vector<int64_t>& shape) {
 void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
                        const std::vector<graph::Parameter>& parameters) {
   int64_t held = 0, expected = 0;
-  for (const TensorView& tensor : file.tensors()) held += count_of(tensor.shape);
+  std::vector<TensorView> tensors;  // scales of quantised ones aside
+  std::copy_if(file.tensors().begin(), file.tensors().end(), std::back_inserter(tensors),
+               [&](const TensorView& tensor) { return !is_scale(file, tensor); });
+  for (const TensorView& tensor : tensors) held += count_of(tensor.shape);
   for (const graph::Parameter& parameter : parameters) expected += count_of(parameter.shape);
   if (held != expected)
     fail("{}: holds {} numbers, but the network of its metadata ('{}') has {}; the file is damaged",
@@ -43,7 +48,7 @@ void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
            fmt::join(parameter.shape, ", "));
     names.insert(parameter.name);
   }
-  for (const TensorView& tensor : file.tensors())
+  for (const TensorView& tensor : tensors)
     if (names.count(tensor.name) == 0)
       fail("{}: holds a tensor '{}' that its network config has no place for; the file is damaged",
            file.path().string(), tensor.name);
