@@ -25,9 +25,12 @@ struct QuantisedMeasure {
 };
 nlohmann::ordered_json to_json(const QuantisedMeasure& measure);
 
+/// By how much the SMAPE may be larger, as a part of it.
+constexpr double kQuantisedTolerance = 0.01;
+
 struct QuantisedExport {
   std::filesystem::path model, data, out;
-  double allowed = 0;  // by how much the SMAPE may be larger, as a part of it
+  double allowed = kQuantisedTolerance;
   int threads = 1;
   size_t frames = 32;  // at most, of each split
 };
