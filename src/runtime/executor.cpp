@@ -58,6 +58,7 @@ struct Execution::State {
   std::vector<ValueId> outputs;
   std::vector<double> row_work;  // of each node, a row of its output
   std::vector<double> seconds;   // of each node, in the frame that runs
+  decltype(ExecutionOptions::made) made;
   double work = 0;
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
@@ -67,7 +68,8 @@ struct Execution::State {
         schedule(graph, picture, block),
         arena_floats(make_windows()),
         arena(arena_floats),
-        outputs(graph.further) {
+        outputs(graph.further),
+        made(options.made) {
     float* next = arena.begin();
     for (RowWindow& window : context.windows) {
       window.memory = next;
@@ -156,6 +158,9 @@ void Execution::run(const Frame& frame, const Progress& progress, const Rows& ro
         state_->steps[node]->run(begin, end);
         state_->seconds[node] +=
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        if (state_->made)
+          for (const ValueId value : state_->context.graph.nodes[node].outputs)
+            state_->made(value, state_->context.windows[value], begin, end);
         done += double(end - begin) * state_->row_work[node];
         const double share = std::min(done / state_->work, 1.0);
         if (!progress || share - told < 1 / kProgressSteps) return;

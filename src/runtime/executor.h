@@ -8,6 +8,7 @@
 #include "frame/frame.h"
 #include "graph/graph.h"
 #include "runtime/row_schedule.h"
+#include "runtime/row_window.h"
 #include "weights/named_weights.h"
 
 namespace ld {
@@ -16,6 +17,8 @@ namespace ld {
 struct ExecutionOptions {
   int threads = 1;
   int64_t block_rows = 0;  // rows of full resolution that are made at a time; 0: as suits the threads
+  /// Called whenever rows [begin, end) of a value were made, which lie in its window. May be empty.
+  std::function<void(graph::ValueId value, const RowWindow& rows, int64_t begin, int64_t end)> made = {};
 };
 
 /// The plan of a graph for frames of one size: the order of its steps and one arena for all of their rows.

@@ -19,6 +19,8 @@ torch::ScalarType torch_type(DType type) {
       return torch::kFloat64;
     case DType::i64:
       return torch::kInt64;
+    case DType::i8:
+      return torch::kInt8;
     case DType::u8:
       return torch::kUInt8;
   }
@@ -26,7 +28,7 @@ torch::ScalarType torch_type(DType type) {
 }
 
 DType file_type(const torch::Tensor& tensor) {
-  for (const DType type : {DType::f16, DType::f32, DType::f64, DType::i64, DType::u8})
+  for (const DType type : {DType::f16, DType::f32, DType::f64, DType::i64, DType::i8, DType::u8})
     if (torch_type(type) == tensor.scalar_type()) return type;
   fail("a tensor of type {} cannot be written to safetensors", c10::toString(tensor.scalar_type()));
 }

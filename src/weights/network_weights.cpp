@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "core/error.h"
@@ -24,7 +26,10 @@ graph::Graph graph_of(const SafetensorsFile& file, const NetworkConfig& config) 
 void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config, const graph::Graph& graph) {
   const int64_t expected = graph::parameter_count(graph);
   int64_t held = 0;
-  for (const TensorView& tensor : file.tensors()) held += tensor.numbers();
+  std::vector<TensorView> tensors;  // scales of quantised ones aside
+  std::copy_if(file.tensors().begin(), file.tensors().end(), std::back_inserter(tensors),
+               [&](const TensorView& tensor) { return !is_scale(file, tensor); });
+  for (const TensorView& tensor : tensors) held += tensor.numbers();
   if (held != expected)
     fail("{}: holds {} numbers, but the network of its metadata ('{}') has {}; the file is damaged",
          file.path().string(), held, config.name, expected);
@@ -37,7 +42,7 @@ void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
            fmt::join(parameter.shape, ", "));
     names.insert(parameter.name);
   }
-  for (const TensorView& tensor : file.tensors())
+  for (const TensorView& tensor : tensors)
     if (names.count(tensor.name) == 0)
       fail("{}: holds a tensor '{}' that its network config has no place for; the file is damaged",
            file.path().string(), tensor.name);

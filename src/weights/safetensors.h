@@ -10,7 +10,7 @@
 
 namespace ld {
 
-enum class DType { f16, f32, f64, i64, u8 };
+enum class DType { f16, f32, f64, i64, i8, u8 };
 size_t dtype_bytes(DType type);
 
 struct TensorView {

@@ -34,6 +34,7 @@ int64_t not_finite(const TensorView& tensor) {
     case DType::f64:
       return count_not_finite<double>(tensor, [](double value) { return std::isfinite(value); });
     case DType::i64:
+    case DType::i8:
     case DType::u8:
       return 0;
   }
@@ -50,6 +51,8 @@ const char* type_name(DType type) {
       return "float64";
     case DType::i64:
       return "int64";
+    case DType::i8:
+      return "int8";
     case DType::u8:
       return "uint8";
   }
