@@ -23,6 +23,8 @@ void FrameBuffers::set_size(int width, int height, int spp) {
   if (samples * kSampleChannels * sizeof(float) > 1e12)
     fail_usage("a frame of {}x{} pixels with {} samples a pixel would take over 1000 GB", width, height, spp);
   features_.clear();
+  parts_.clear();
+  alpha_.reset();
   valid_ = nullptr;
   width_ = width;
   height_ = height;
@@ -35,6 +37,30 @@ void FrameBuffers::set_feature(const std::string& name, const float* data, const
     fail_usage("feature '{}' was set before the size of the frame; call ld_set_size first", name);
   if (data == nullptr) fail_usage("the buffer of feature '{}' is a null pointer", name);
   features_[name] = {data, strides != nullptr ? *strides : planar(width_, height_, feature.channels)};
+}
+
+FrameBuffers::Part FrameBuffers::part_of(const char* what, int channels, const float* samples,
+                                         const LdStrides* strides, float* picture,
+                                         const LdStrides* picture_strides) const {
+  if (width_ == 0) fail_usage("{} was set before the size of the frame; call ld_set_size first", what);
+  if (samples == nullptr) fail_usage("the samples of {} are a null pointer", what);
+  if (picture == nullptr) fail_usage("the picture to write of {} is a null pointer", what);
+  const LdStrides planes = planar(width_, height_, channels);
+  return {{samples, strides != nullptr ? *strides : planes},
+          picture,
+          picture_strides != nullptr ? *picture_strides : planes};
+}
+
+void FrameBuffers::add_part(const float* samples, const LdStrides* strides, float* picture,
+                            const LdStrides* picture_strides) {
+  constexpr size_t kMostParts = 1024;
+  if (parts_.size() == kMostParts) fail_usage("more than {} parts of the light", kMostParts);
+  parts_.push_back(part_of("a part of the light", 3, samples, strides, picture, picture_strides));
+}
+
+void FrameBuffers::set_alpha(const float* samples, const LdStrides* strides, float* picture,
+                             const LdStrides* picture_strides) {
+  alpha_ = part_of("alpha", 1, samples, strides, picture, picture_strides);
 }
 
 Frame FrameBuffers::gather(const std::vector<std::string>& features,
@@ -50,25 +76,43 @@ Frame FrameBuffers::gather(const std::vector<std::string>& features,
   if (valid_ != nullptr)
     std::transform(valid_, valid_ + frame.valid.size(), frame.valid.begin(),
                    [](uint8_t drawn) { return uint8_t(drawn != 0); });
+  const auto copy_plane = [&](const Buffer& buffer, int s, int c, float* out) {
+    const auto& [data, strides] = buffer;
+    const float* from = data + s * strides.sample + c * strides.channel;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) *out++ = from[y * strides.row + x * strides.pixel];
+  };
   for (const std::string& name : frame.features) {
-    const auto& [data, strides] = features_.at(name);
     const Feature& feature = find_feature(name);
     for (int s = 0; s < spp_; ++s)
-      for (int c = 0; c < feature.channels; ++c) {
-        float* out = frame.plane(s, feature.offset + c);
-        const float* from = data + s * strides.sample + c * strides.channel;
-        for (int y = 0; y < height_; ++y)
-          for (int x = 0; x < width_; ++x) *out++ = from[y * strides.row + x * strides.pixel];
-      }
+      for (int c = 0; c < feature.channels; ++c)
+        copy_plane(features_.at(name), s, c, frame.plane(s, feature.offset + c));
+  }
+  for (size_t part = 0; part < parts_.size(); ++part) {
+    frame.add_part("");
+    for (int s = 0; s < spp_; ++s)
+      for (int c = 0; c < 3; ++c) copy_plane(parts_[part].samples, s, c, frame.part_plane(part, s, c));
+  }
+  if (alpha_) {
+    frame.alpha.resize(frame.valid.size());
+    for (int s = 0; s < spp_; ++s)
+      copy_plane(alpha_->samples, s, 0, frame.alpha.data() + size_t(s) * frame.plane_size());
   }
   sanitise(frame);
   frame.info.depth_scale = median_depth(frame);
   return frame;
 }
 
+void FrameBuffers::scatter_parts(const DenoisedParts& denoised) const {
+  for (size_t part = 0; part < parts_.size(); ++part)
+    scatter(denoised.parts[part], parts_[part].picture, &parts_[part].picture_strides);
+  if (alpha_) scatter(denoised.alpha, alpha_->picture, &alpha_->picture_strides);
+}
+
 void scatter(const Image& picture, float* data, const LdStrides* strides) {
-  const LdStrides to = strides != nullptr ? *strides : planar(picture.width, picture.height, 3);
-  for (int c = 0; c < 3; ++c)
+  const LdStrides to =
+      strides != nullptr ? *strides : planar(picture.width, picture.height, picture.channels);
+  for (int c = 0; c < picture.channels; ++c)
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x)
         data[c * to.channel + y * to.row + x * to.pixel] = picture.at(c, x, y);

@@ -10,8 +10,8 @@
 
 namespace ld::graph {
 
-/// The frame -> encoded features [S, F], radiance [S, 3], valid [S, 1] (frame/encoding.h). Of features, the
-/// radiance is exposed where Graph::exposed says so.
+/// The frame -> encoded features [S, F], radiance [S, 3] and behind it Graph::parts, valid [S, 1]
+/// (frame/encoding.h). Of features, the radiance is exposed where Graph::exposed says so.
 struct Encode {
   std::vector<std::string> features;
 };
@@ -87,7 +87,8 @@ struct Received {
 struct BlendLevels {};
 
 /// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what Modulate
-/// needs [1, 4] (models/demodulation.h). First channels of the features that are there, else -1.
+/// needs [1, 4] (models/demodulation.h). First channels of the features that are there, else -1. Behind the
+/// radiance's come both forms of all coloured parts, the divided ones first, then alpha as it is.
 struct Demodulate {
   int64_t albedo = -1, specular = -1;
 };
@@ -133,7 +134,8 @@ struct Mix {};
 /// [N, C + 1], the transmittance last -> [1, C] ([MH20] eq. 5; models/compositor.h).
 struct Composite {};
 
-/// filtered [1, 6], modulators [1, 4], context [1, C] -> [1, 3] (models/demodulation.h).
+/// filtered [1, 6], modulators [1, 4], context [1, C] -> [1, 3] (models/demodulation.h). Parts, behind as
+/// Demodulate puts them, are mixed as the radiance is.
 struct Modulate {
   std::string weights;
 };
