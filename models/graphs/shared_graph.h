@@ -9,11 +9,11 @@
 
 namespace ld {
 
-/// The frame as a network sees it.
+/// The frame as a network sees it. With the radiance come parts of the light (graph::Value::parts).
 struct GraphInput {
   graph::ValueId features, radiance, valid;
 };
-GraphInput add_input(graph::Graph& graph, const NetworkConfig& config);
+GraphInput add_input(graph::Graph& graph, const NetworkConfig& config, const graph::LightParts& parts = {});
 
 /// x and the context -> the outputs of a fully connected network; its result has as many items as x.
 graph::ValueId add_fully_connected(graph::Graph& graph, const graph::FullyConnected& op, graph::ValueId x,

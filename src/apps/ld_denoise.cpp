@@ -20,7 +20,8 @@ namespace {
 
 struct Options {
   std::string model = "common", output, noisy, frames, preset, mapping, camera, view;
-  std::vector<std::string> inputs, assignments, aovs, kernels_at;
+  std::string alpha = "copy";
+  std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
   int samples = 0;
   bool skip_existing = false, full_float = false, allow_identical = false;
@@ -50,6 +51,14 @@ void declare(CLI::App& app, Options& o) {
                  "MB that the process may take, the samples of the input aside (default: no bound)")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
   app.add_flag("--float", o.full_float, "full floats in EXR (default: half)");
+  ld::repeated(
+      app.add_option("--also", o.also,
+                     "parts of the light whose names fit this (*, ?, [...]): each is filtered as the picture "
+                     "is and becomes a "
+                     "layer of its name, so that they still add up; may be repeated (default: none)"));
+  app.add_option("--alpha", o.alpha, "copy: the mean of the samples' alpha; filter: by the picture's kernels")
+      ->check(CLI::IsMember({"copy", "filter"}))
+      ->capture_default_str();
   ld::repeated(app.add_option("--aovs", o.aovs,
                               "EXR parts for looking, separated by commas, or repeated (default: none)"))
       ->delimiter(',')
@@ -160,12 +169,14 @@ ld::DenoiseJob job_of(const Options& o) {
   const std::vector<std::string> inputs = without_results(o, ld::expand_names(o.inputs));
   const std::filesystem::path first = ld::first_file(inputs, range);
   job.render = render_input(o, first);
+  job.render.also = o.also;
   job.tasks = ld::plan_tasks(inputs, o.output, range, job.render.mapping.has_value());
   job.model = ld::resolve_model(model_for(o, job, first));
   job.max_memory_bytes = o.max_memory * ld::kBudgetMegabyte;
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;
+  job.filter_alpha = o.alpha == "filter";
   job.noisy = o.noisy;
   const auto wants = [&](const char* part) { return std::count(o.aovs.begin(), o.aovs.end(), part) > 0; };
   job.layers = wants("layers");

@@ -121,6 +121,18 @@ LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const float* dat
   return guarded([&] { denoiser->buffers.set_feature(name, data, strides); });
 }
 
+LdStatus ld_add_part(LdDenoiser* denoiser, const float* samples, const LdStrides* strides, float* picture,
+                     const LdStrides* picture_strides) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  return guarded([&] { denoiser->buffers.add_part(samples, strides, picture, picture_strides); });
+}
+
+LdStatus ld_set_alpha(LdDenoiser* denoiser, const float* samples, const LdStrides* strides, float* picture,
+                      const LdStrides* picture_strides) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  return guarded([&] { denoiser->buffers.set_alpha(samples, strides, picture, picture_strides); });
+}
+
 LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
   denoiser->buffers.set_valid(valid);
@@ -156,7 +168,10 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
     denoiser->cancelled = false;
     const ld::Frame frame = denoiser->buffers.gather(denoiser->denoiser.network_config().features,
                                                      denoiser->denoiser.features(), threads());
-    ld::scatter(denoiser->denoiser.denoise(frame, denoiser->options), picture, strides, threads());
+    const ld::DenoisedParts denoised =
+        denoiser->denoiser.denoise_parts(frame, !frame.alpha.empty(), denoiser->options);
+    ld::scatter(denoised.picture, picture, strides, threads());
+    denoiser->buffers.scatter_parts(denoised, threads());
   });
 }
 

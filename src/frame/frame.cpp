@@ -43,6 +43,11 @@ bool is_clean(Frame& frame, const Stretch& stretch) {
       return false;
   const float* alpha = alpha_of(frame, stretch);
   if (alpha != nullptr && !all_within(alpha, stretch.count, 0, 1)) return false;
+  for (size_t part = 0; part < frame.parts.size(); ++part)
+    for (int c = 0; c < 3; ++c)
+      if (!all_within(frame.part_plane(part, stretch.sample, c) + stretch.first, stretch.count, -kLargestPart,
+                      kLargestPart))
+        return false;
   const uint8_t* valid = frame.valid_plane(stretch.sample) + stretch.first;
   return std::all_of(valid, valid + stretch.count, [](uint8_t v) { return v != 0; });
 }
@@ -63,6 +68,22 @@ int64_t mend_guides(float* sample, size_t pitch) {
       guide[c * pitch] = feature.offset == kDepthOffset ? kEscapedDepth : 0.0F;
   }
   return mended;
+}
+
+/// A part of the light is 0 where the sample does not count, and where its colour is not finite.
+void mend_part(Frame& frame, size_t part, const Stretch& stretch, Faults& faults) {
+  const uint8_t* valid = frame.valid_plane(stretch.sample) + stretch.first;
+  const size_t pixels = frame.plane_size();
+  for (size_t p = 0; p < stretch.count; ++p) {
+    float* const colour = frame.part_plane(part, stretch.sample, 0) + stretch.first + p;
+    bool finite = true;
+    for (size_t c = 0; c < 3; ++c) finite = finite && std::isfinite(colour[c * pixels]);
+    if (valid[p] != 0 && !finite) ++faults.parts;
+    for (size_t c = 0; c < 3; ++c) {
+      float& value = colour[c * pixels];
+      value = valid[p] != 0 && finite ? std::clamp(value, -kLargestPart, kLargestPart) : 0.0F;
+    }
+  }
 }
 
 void mend(Frame& frame, const Stretch& stretch, Faults& faults) {
@@ -91,6 +112,7 @@ void mend(Frame& frame, const Stretch& stretch, Faults& faults) {
     }
     if (alpha != nullptr) alpha[p] = valid[p] == 0 ? 0.0F : std::clamp(alpha[p], 0.0F, 1.0F);
   }
+  for (size_t part = 0; part < frame.parts.size(); ++part) mend_part(frame, part, stretch, faults);
 }
 
 }  // namespace
@@ -106,6 +128,12 @@ void* zero_pages(size_t count, size_t size) {
     madvise(begin + before, bytes, MADV_HUGEPAGE);  // where it cannot, small pages do
   }
   return memory;
+}
+
+int64_t Frame::bytes() const {
+  size_t floats = samples.size() + alpha.size();
+  for (const LightPart& part : parts) floats += part.samples.size();
+  return static_cast<int64_t>(floats * sizeof(float) + valid.size());
 }
 
 Faults sanitise(Frame& frame) {

@@ -38,7 +38,8 @@ struct Faults {
   int64_t not_finite = 0;  // samples with NaN or infinite radiance or alpha, masked out as if not drawn
   int64_t guides = 0;  // guides of other samples that are NaN or infinite, set to what a ray that escaped has
   int64_t clamped = 0;  // radiance channels beyond half's range, set to 65504 when a file was written
-  bool any() const { return negative + not_finite + guides + clamped > 0; }
+  int64_t parts = 0;    // colours of light parts that are NaN or infinite, in samples that count: set to 0
+  bool any() const { return negative + not_finite + guides + clamped + parts > 0; }
 };
 
 /// Where a picture lies in a larger one that it was cut from or overscans: OpenEXR's data and display window,
@@ -65,6 +66,12 @@ struct FrameInfo {
   std::string camera;     // parameters of the camera, for people
   int64_t clamped = 0;    // Faults::clamped when the file was written
   Windows windows;
+};
+
+/// Light that adds up with others to the radiance: what one lamp sends, or what diffuse surfaces reflect.
+struct LightPart {
+  std::string name;            // of the layer in files
+  std::vector<float> samples;  // [spp, 3, height, width], linear; may be negative
 };
 
 /// Memory for so many values, all bits 0, which std::free takes back. Throws std::bad_alloc.
@@ -100,6 +107,7 @@ struct Frame {
   std::vector<float, ZeroPages<float>> samples;
   std::vector<uint8_t> valid;
   std::vector<float> alpha;  // [spp, height, width]: 1 opaque, its radiance is premultiplied; empty: none
+  std::vector<LightPart> parts;
   FrameInfo info;
 
   Frame() = default;
@@ -121,6 +129,18 @@ struct Frame {
   const float* plane(int sample, int channel) const {
     return const_cast<Frame*>(this)->plane(sample, channel);
   }
+  float* part_plane(size_t part, int sample, int channel) {
+    return parts[part].samples.data() + (size_t(sample) * 3 + size_t(channel)) * plane_size();
+  }
+  const float* part_plane(size_t part, int sample, int channel) const {
+    return const_cast<Frame*>(this)->part_plane(part, sample, channel);
+  }
+  LightPart& add_part(const std::string& name) {
+    parts.push_back({name, zeros_in_large_pages(size_t(spp) * 3 * plane_size())});
+    return parts.back();
+  }
+  /// Of all that it holds for samples.
+  int64_t bytes() const;
   uint8_t* valid_plane(int sample) { return valid.data() + size_t(sample) * plane_size(); }
   const uint8_t* valid_plane(int sample) const { return valid.data() + size_t(sample) * plane_size(); }
   bool holds(const std::string& feature) const {
@@ -128,10 +148,14 @@ struct Frame {
   }
 };
 
+/// Of a light part: means of such are finite.
+constexpr float kLargestPart = 3e38F;
+
 /// Masks samples whose radiance or alpha holds a NaN or an infinity. A guide that holds one is set to what a
 /// ray that escaped has (depth kEscapedDepth, all others 0): it costs the guide, not the light. Sets negative
 /// radiance to 0, clamps guides to half's range, alpha to [0, 1] and sets the channels of masked samples to
-/// 0. Every frame passes through here once, on its way in.
+/// 0. A light part whose colour holds a NaN or an infinity is 0 in that sample, which counts all the same;
+/// those beyond +-kLargestPart are set to that. Every frame passes through here once, on its way in.
 Faults sanitise(Frame& frame);
 
 /// The same for `count` pixels of one sample from `first` on; adds to `faults`. Different pixels may be done

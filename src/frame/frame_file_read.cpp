@@ -1,9 +1,12 @@
 #include <ImfChannelList.h>
+#include <fmt/ranges.h>
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "core/error.h"
@@ -69,6 +72,32 @@ bool holds(const ExrReader& exr, int part, const Feature& feature) {
   return true;
 }
 
+/// Layers of a part that have R, G and B, but for those that are features.
+std::set<std::string> coloured_layers(const ExrReader& exr, int part) {
+  std::set<std::string> layers;
+  const Imf::ChannelList& channels = exr.header(part).channels();
+  for (auto it = channels.begin(); it != channels.end(); ++it) {
+    const std::string name = it.name();
+    if (name.size() < 3 || name.compare(name.size() - 2, 2, ".R") != 0) continue;
+    const std::string layer = name.substr(0, name.size() - 2);
+    if (exr.has_channel(part, layer + ".G") && exr.has_channel(part, layer + ".B")) layers.insert(layer);
+  }
+  for (const Feature& feature : feature_schema()) layers.erase(feature.name);
+  return layers;
+}
+
+/// Those that all of the parts have.
+std::vector<std::string> common_layers(const ExrReader& exr, const std::vector<int>& parts) {
+  if (parts.empty()) return {};
+  std::set<std::string> common = coloured_layers(exr, parts[0]);
+  for (const int part : parts) {
+    const std::set<std::string> own = common.empty() ? common : coloured_layers(exr, part);
+    for (auto layer = common.begin(); layer != common.end();)
+      layer = own.count(*layer) > 0 ? std::next(layer) : common.erase(layer);
+  }
+  return {common.begin(), common.end()};
+}
+
 FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
   FrameHeader header;
   int said_spp = -1;
@@ -86,6 +115,7 @@ FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
   header.info.windows = windows_of(exr.header(first));
   header.alpha = !parts.empty() && std::all_of(parts.begin(), parts.end(),
                                                [&](int part) { return exr.has_channel(part, "A"); });
+  header.layers = common_layers(exr, parts);
   header.width = exr.width(first);
   header.height = exr.height(first);
   if (int64_t{header.width} * header.height * std::max(header.spp, 1) > kMaxFrameSamples)
@@ -120,6 +150,22 @@ void require_features(const ExrReader& exr, const std::vector<int>& parts,
 
 }  // namespace
 
+std::vector<std::string> choose_names(const std::vector<std::string>& names,
+                                      const std::vector<std::string>& patterns, const std::string& where) {
+  std::vector<std::string> chosen;
+  for (const std::string& pattern : patterns)
+    if (std::none_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; }))
+      fail("{}: no part of the light is called '{}'; {}", where, pattern,
+           names.empty() ? "there is none" : fmt::format("there are {}", fmt::join(names, ", ")));
+  for (const std::string& name : names)
+    if (std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+          return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+        }))
+      chosen.push_back(name);
+  return chosen;
+}
+
 int sample_number(const std::string& part_name) {
   if (part_name.size() < 4 || part_name.size() > 5 || part_name[0] != 's') return -1;
   if (!std::all_of(part_name.begin() + 1, part_name.end(), [](char c) { return c >= '0' && c <= '9'; }))
@@ -135,6 +181,7 @@ void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& 
   frame.samples.resize(kept * kSampleChannels);
   frame.valid.resize(kept);
   if (!frame.alpha.empty()) frame.alpha.resize(kept);
+  for (LightPart& part : frame.parts) part.samples.resize(3 * kept);
 }
 
 std::string misnamed_text(const FrameHeader& header) {
@@ -150,7 +197,7 @@ FrameHeader read_frame_header(const std::filesystem::path& path) {
 }
 
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
-                 int samples, int threads) {
+                 int samples, int threads, const std::vector<std::string>& also) {
   const ExrReader exr(path);
   std::vector<int> parts = sample_parts(exr);
   const FrameHeader header = header_of(exr, parts);
@@ -169,6 +216,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   frame.info = header.info;
   frame.features = header.features;
   if (header.alpha) frame.alpha.resize(frame.valid.size());
+  for (const std::string& name : choose_names(header.layers, also, exr.path())) frame.add_part(name);
   std::vector<ExrPartPlanes> wanted;
   for (int s = 0; s < frame.spp; ++s) {
     const int part = parts[static_cast<size_t>(s)];
@@ -186,6 +234,12 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
       planes.push_back(
           {"A", frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(), frame.plane_size()});
     }
+    for (size_t light = 0; light < frame.parts.size(); ++light)
+      for (int c = 0; c < 3; ++c) {
+        const std::string channel = frame.parts[light].name + "." + "RGB"[c];
+        exr.require_channel(part, channel, "");
+        planes.push_back({channel, frame.part_plane(light, s, c), frame.plane_size()});
+      }
     wanted.push_back({part, std::move(planes)});
   }
   // Rows are mended by who has decoded them, while they are in the cache.
@@ -200,6 +254,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
     faults.negative += found.negative;
     faults.not_finite += found.not_finite;
     faults.guides += found.guides;
+    faults.parts += found.parts;
   });
   faults.clamped = frame.info.clamped;
   if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame, threads);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "core/error.h"
 #include "core/file_io.h"
@@ -39,6 +40,18 @@ void check_frame(const std::filesystem::path& path, const Frame& frame) {
     fail("cannot write {}: the frame has alpha for {} samples; expected {} or none", path.string(),
          frame.alpha.size(), expected);
   for (const std::string& name : frame.features) find_feature(name);
+  std::set<std::string> names = {"mean"};
+  for (const Feature& feature : feature_schema()) names.insert(feature.name);
+  for (const LightPart& part : frame.parts) {
+    if (part.samples.size() != 3 * expected)
+      fail("cannot write {}: the light part '{}' has {} values; expected {}", path.string(), part.name,
+           part.samples.size(), 3 * expected);
+    if (part.name.empty() || !names.insert(part.name).second)
+      fail(
+          "cannot write {}: '{}' cannot be the name of a light part; expected one that no feature and no "
+          "other part has",
+          path.string(), part.name);
+  }
   if (!frame.holds("radiance")) fail("cannot write {}: the frame holds no radiance", path.string());
 }
 
@@ -95,19 +108,27 @@ void write_part(Imf::MultiPartOutputFile& file, int part, const std::vector<std:
   output.writeTiles(0, output.numXTiles() - 1, 0, output.numYTiles() - 1);
 }
 
-/// A channel of the samples: its name in the file and its place among kSampleChannels.
+/// A channel of the samples: its name in the file and where that of sample 0 begins; then every `stride`
+/// floats those of the next.
 struct SampleChannel {
   std::string name;
-  int index;  // -1: alpha
+  const float* first;
+  size_t stride;
+  bool masks = false;  // NaN where the sample does not count
 };
 
 std::vector<SampleChannel> sample_channels(const Frame& frame) {
   std::vector<SampleChannel> channels;
+  const size_t pixels = frame.plane_size();
   for (const Feature& feature : feature_schema())
     if (frame.holds(feature.name))
       for (int c = 0; c < feature.channels; ++c)
-        channels.push_back({feature.exr_channels[static_cast<size_t>(c)], feature.offset + c});
-  if (!frame.alpha.empty()) channels.push_back({"A", -1});
+        channels.push_back({feature.exr_channels[static_cast<size_t>(c)], frame.plane(0, feature.offset + c),
+                            kSampleChannels * pixels, feature.offset == kRadianceOffset});
+  if (!frame.alpha.empty()) channels.push_back({"A", frame.alpha.data(), pixels});
+  for (size_t part = 0; part < frame.parts.size(); ++part)
+    for (int c = 0; c < 3; ++c)
+      channels.push_back({frame.parts[part].name + "." + "RGB"[c], frame.part_plane(part, 0, c), 3 * pixels});
   return channels;
 }
 
@@ -117,10 +138,8 @@ std::vector<half> sample_planes(const Frame& frame, int sample, const std::vecto
   const uint8_t* valid = frame.valid_plane(sample);
   half* out = planes.data();
   for (const SampleChannel& channel : channels) {
-    const bool alpha = channel.index < 0, radiance = !alpha && channel.index < 3;
-    const half masked = radiance ? std::numeric_limits<half>::quiet_NaN() : half(0.0F);
-    const float* plane = alpha ? frame.alpha.data() + static_cast<size_t>(sample) * pixels
-                               : frame.plane(sample, channel.index);
+    const half masked = channel.masks ? std::numeric_limits<half>::quiet_NaN() : half(0.0F);
+    const float* plane = channel.first + static_cast<size_t>(sample) * channel.stride;
     for (size_t p = 0; p < pixels; ++p) *out++ = valid[p] != 0 ? to_half(plane[p]) : masked;
   }
   return planes;
@@ -159,6 +178,23 @@ int64_t write_fitting(const std::filesystem::path& path, const Frame& frame, boo
   return clamped;
 }
 
+/// Makes the radiance of a sample fit half floats, and its light parts darker by what that loses.
+int64_t fit_sample(Frame& frame, int sample) {
+  const size_t pixels = frame.plane_size();
+  const std::vector<float> before(frame.plane(sample, 0), frame.plane(sample, 0) + 3 * pixels);
+  const int64_t beyond =
+      fit_colours_in_half(frame.plane(sample, 0), frame.plane(sample, 1), frame.plane(sample, 2), pixels);
+  for (size_t part = 0; part < frame.parts.size(); ++part)
+    for (int c = 0; c < 3; ++c) {
+      float* const plane = frame.part_plane(part, sample, c);
+      for (size_t p = 0; p < pixels; ++p) {
+        const float was = before[static_cast<size_t>(c) * pixels + p], is = frame.plane(sample, c)[p];
+        if (was != is && was > 0) plane[p] *= is / was;
+      }
+    }
+  return beyond;
+}
+
 }  // namespace
 
 int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
@@ -167,9 +203,7 @@ int64_t write_frame(const std::filesystem::path& path, const Frame& frame) {
   if (!unusual.beyond_half) return write_fitting(path, frame, unusual.mended, 0);
   Frame fitted = frame;
   int64_t clamped = 0;
-  for (int s = 0; s < frame.spp; ++s)
-    clamped +=
-        fit_colours_in_half(fitted.plane(s, 0), fitted.plane(s, 1), fitted.plane(s, 2), frame.plane_size());
+  for (int s = 0; s < frame.spp; ++s) clamped += fit_sample(fitted, s);
   return write_fitting(path, fitted, unusual.mended, clamped);
 }
 

@@ -10,8 +10,8 @@
 
 namespace ld::graph {
 
-/// The frame -> encoded features [S, F], radiance [S, 3], valid [S, 1] (frame/encoding.h). Of features, the
-/// radiance is exposed where Graph::exposed says so.
+/// The frame -> encoded features [S, F], radiance [S, 3] and behind it Graph::parts, valid [S, 1]
+/// (frame/encoding.h). Of features, the radiance is exposed where Graph::exposed says so.
 struct Encode {
   std::vector<std::string> features;
 };
@@ -88,7 +88,8 @@ struct BlendLevels {};
 
 /// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what
 /// ModulationFactors needs [1, 4] (models/demodulation.h). First channels of the features that are there,
-/// else -1.
+/// else -1. Behind the radiance's come both forms of all coloured parts, the divided ones first, then alpha
+/// as it is.
 struct Demodulate {
   int64_t albedo = -1, specular = -1;
 };

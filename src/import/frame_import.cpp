@@ -13,8 +13,10 @@
 #include "core/error.h"
 #include "frame/exr_check.h"
 #include "frame/exr_reader.h"
+#include "frame/frame_file.h"
 #include "import/file_views.h"
 #include "import/former_result.h"
+#include "import/light_parts.h"
 #include "import/sample_window.h"
 #include "import/source_plan.h"
 
@@ -58,6 +60,17 @@ std::string taken_text(const SourceFeature& source) {
   return text;
 }
 
+std::string taken_text(const SourcePart& part) {
+  std::string text = part.name + ": ";
+  size_t channel = 0;
+  for (size_t term = 0; term < part.factors.size(); ++term)
+    for (size_t f = 0; f < part.factors[term]; ++f, channel += 3) {
+      const std::string& name = part.channels[channel].name;
+      text += (f > 0 ? " * " : term > 0 ? " + " : "") + name.substr(0, name.size() - 2);
+    }
+  return text;
+}
+
 std::string generator_of(const ExrReader& exr, const ImportMapping& mapping) {
   for (const char* name : {"generatedBy", "Software", "software"})
     if (const auto* text = exr.header(0).findTypedAttribute<Imf::StringAttribute>(name)) return text->value();
@@ -74,14 +87,19 @@ std::string describe(const ViewCamera& camera) {
 /// Fills a frame sample by sample.
 class FrameBuilder {
  public:
-  FrameBuilder(ImportMapping mapping, std::optional<ViewCamera> camera, bool allow_identical)
-      : mapping_(std::move(mapping)), camera_(std::move(camera)), allow_identical_(allow_identical) {}
+  FrameBuilder(ImportMapping mapping, std::optional<ViewCamera> camera, bool allow_identical,
+               std::vector<std::string> also)
+      : mapping_(std::move(mapping)),
+        camera_(std::move(camera)),
+        allow_identical_(allow_identical),
+        also_(std::move(also)) {}
 
   /// Looks at a file's header only.
   void survey(const std::filesystem::path& path) {
     const ExrReader exr(path);
     const std::vector<SourceSample> samples = plan_for(exr);
     if (spp_ == 0) start(exr, samples[0]);
+    if (!also_.empty()) choose_parts(exr);
     for (const SourceSample& sample : samples) {
       for (const SourceChannel& channel : sample.features[0].channels)
         if (is_denoised(exr, FileViews(exr, mapping_.view), channel.part))
@@ -103,10 +121,13 @@ class FrameBuilder {
     const ExrReader exr(path);
     const std::vector<SourceSample> samples = plan_for(exr);
     if (result_.frame.spp == 0) allocate(exr, samples[0]);
+    std::vector<std::vector<SourcePart>> parts(samples.size());
+    if (!also_.empty()) parts = plan_light_parts(exr, mapping_);
     for (size_t i = 0; i < samples.size(); ++i) {
       if (next_ >= spp_ || feature_list(samples[i]) != features_ ||
-          (samples[i].alpha.mapping != nullptr) != has_alpha_)
+          (samples[i].alpha.mapping != nullptr) != has_alpha_ || parts.size() != samples.size())
         fail("{}: changed while it was read; try again", exr.path());
+      read_parts(exr, parts[i]);
       read_sample(exr, samples[i],
                   samples.size() == 1 ? path.string() : fmt::format("{}, sample {}", path.string(), i));
     }
@@ -138,6 +159,40 @@ class FrameBuilder {
         }
     }
     return samples;
+  }
+
+  /// Those of the first file; all others must have them, too.
+  void choose_parts(const ExrReader& exr) {
+    const std::vector<SourcePart> parts = plan_light_parts(exr, mapping_)[0];
+    std::vector<std::string> names;
+    for (const SourcePart& part : parts) names.push_back(part.name);
+    const std::vector<std::string> chosen = choose_names(names, also_, exr.path());
+    if (spp_ == 0) {
+      parts_ = chosen;
+      for (const SourcePart& part : parts)
+        if (std::count(chosen.begin(), chosen.end(), part.name) > 0)
+          result_.taken.push_back(taken_text(part));
+    }
+    if (chosen != parts_)
+      fail("{}: holds the light parts {}, but {} {}; expected the same in all samples", exr.path(),
+           fmt::join(chosen, ", "), first_file_, fmt::join(parts_, ", "));
+  }
+
+  void read_parts(const ExrReader& exr, const std::vector<SourcePart>& parts) {
+    Frame& frame = result_.frame;
+    for (const SourcePart& part : parts) {
+      const auto name = std::find(parts_.begin(), parts_.end(), part.name);
+      if (name == parts_.end()) continue;
+      FeatureMapping as_it_is;
+      as_it_is.feature = "radiance";
+      as_it_is.scale.assign(part.channels.size(), 1);
+      as_it_is.offset.assign(part.channels.size(), 0);
+      const Planes planes =
+          sum_of_products(part, read_feature(exr, {&as_it_is, part.channels}, extent_, *converter_));
+      for (int c = 0; c < 3; ++c)
+        std::copy(planes[static_cast<size_t>(c)].begin(), planes[static_cast<size_t>(c)].end(),
+                  frame.part_plane(static_cast<size_t>(name - parts_.begin()), next_, c));
+    }
   }
 
   void start(const ExrReader& exr, const SourceSample& sample) {
@@ -177,6 +232,7 @@ class FrameBuilder {
     result_.frame.info = info;
     result_.frame.features = features_;
     if (has_alpha_) result_.frame.alpha.resize(result_.frame.valid.size());
+    for (const std::string& name : parts_) result_.frame.add_part(name);
   }
 
   void read_sample(const ExrReader& exr, const SourceSample& sample, const std::string& where) {
@@ -235,6 +291,7 @@ class FrameBuilder {
   ImportMapping mapping_;
   std::optional<ViewCamera> camera_;
   bool allow_identical_;
+  std::vector<std::string> also_, parts_;  // patterns, and the names of the light parts that they fit
   std::string first_file_;
   FrameWindow window_;
   Extent extent_;  // when it is known
@@ -251,9 +308,10 @@ class FrameBuilder {
 }  // namespace
 
 ImportedFrame import_frame(const std::vector<std::filesystem::path>& files, const ImportMapping& mapping,
-                           const std::optional<ViewCamera>& camera, bool allow_identical) {
+                           const std::optional<ViewCamera>& camera, bool allow_identical,
+                           const std::vector<std::string>& also) {
   if (files.empty()) fail_usage("no files with samples; name them behind the options");
-  FrameBuilder builder(mapping, camera, allow_identical);
+  FrameBuilder builder(mapping, camera, allow_identical, also);
   for (const std::filesystem::path& file : files) builder.survey(file);
   for (const std::filesystem::path& file : files) builder.read(file);
   return builder.finish();

@@ -25,6 +25,11 @@ namespace {
 
 constexpr int64_t kSteps = 100;  // of the progress of one frame
 
+/// Of the samples, [1, H, W]; empty where they have none.
+Image kept_alpha(const Frame& frame) {
+  return frame.alpha.empty() ? Image() : mean_alpha(frame);
+}
+
 /// A part of the colour and, where it is not empty, a further plane.
 PicturePart layer_part(const std::string& name, const Image& colour, const Image& further,
                        const char* channel) {
@@ -34,6 +39,12 @@ PicturePart layer_part(const std::string& name, const Image& colour, const Image
   std::vector<std::string> channels = {"R", "G", "B"};
   if (further.channels > 0) channels.emplace_back(channel);
   return {name, std::move(planes), channels};
+}
+
+std::vector<std::string> names_of(const std::vector<LightPart>& parts) {
+  std::vector<std::string> names;
+  for (const LightPart& part : parts) names.push_back(part.name);
+  return names;
 }
 
 /// Whether a picture is there: neither a folder nor a name that a render farm took with an empty file.
@@ -58,15 +69,19 @@ class Run {
         read_input(task.inputs, job_.render, denoiser_.features(), job_.samples, job_.threads);
     const Frame& frame = input.frame;
     tell_what_was_taken(input);
+    if (job_.filter_alpha && frame.alpha.empty())
+      fail("{}: no alpha to filter: the samples have none; leave --alpha filter out",
+           task.inputs[0].string());
     state_.advance(task.place, frame.width, frame.height);
     const auto start = std::chrono::steady_clock::now();
-    const Image image = denoiser_.denoise(frame, how_);
+    DenoisedParts denoised = denoiser_.denoise_parts(frame, job_.filter_alpha, how_);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const std::vector<std::string> notes = write(task.output, image, input);
+    if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
+    const std::vector<std::string> notes = write(task.output, denoised, input);
     if (!job_.noisy.empty()) {
       const Image mean = mean_radiance(frame);
       const bool alpha = picture_format(job_.noisy) == PictureFormat::exr;
-      write_image(job_.noisy, alpha ? with_alpha(mean, frame) : mean, frame.info.windows);
+      write_image(job_.noisy, alpha ? with_alpha(mean, kept_alpha(frame)) : mean, frame.info.windows);
     }
     const std::string name = task.inputs[0].string();
     warn_about_faults(name, input.faults);
@@ -81,12 +96,14 @@ class Run {
             {"width", frame.width},
             {"height", frame.height},
             {"spp", frame.spp},
+            {"also", names_of(frame.parts)},
             {"history", state_.history()},
             {"seconds", seconds},
             {"peak_memory_mb", peak},
             {"input_memory_mb", samples},
             {"masked_samples", input.faults.not_finite},
             {"mended_guides", input.faults.guides},
+            {"mended_parts", input.faults.parts},
             {"negative_values", input.faults.negative}};
   }
 
@@ -109,6 +126,9 @@ class Run {
     for (const DenoiseTask& task : job_.tasks)
       if (picture_format(task.output) != PictureFormat::exr && job_.full_float)
         fail_usage("{}: --float goes with EXR; PNG has 8 bits", task.output.string());
+      else if (picture_format(task.output) != PictureFormat::exr &&
+               (!job_.render.also.empty() || job_.filter_alpha))
+        fail_usage("{}: --also and --alpha filter go with EXR; PNG holds neither", task.output.string());
     if (!job_.wants_parts()) return;
     const std::string& network = denoiser_.network_config().name;
     if (network != "layer")
@@ -185,15 +205,18 @@ class Run {
   }
 
   /// What users should know about the file.
-  std::vector<std::string> write(const fs::path& output, const Image& image, const InputFrame& input) const {
+  std::vector<std::string> write(const fs::path& output, const DenoisedParts& denoised,
+                                 const InputFrame& input) const {
     if (picture_format(output) != PictureFormat::exr) {
-      write_image(output, image);
+      write_image(output, denoised.picture);
       return {};
     }
     const std::string by = fmt::format("ld_denoise {}, network {}, weights {}", LD_VERSION,
                                        denoiser_.network_config().name, checksum_);
-    return write_picture(output, with_alpha(image, input.frame), input.original, parts_of(input.frame),
-                         job_.full_float, by);
+    PictureLayers layers = {{"", with_alpha(denoised.picture, denoised.alpha)}};
+    for (size_t i = 0; i < denoised.parts.size(); ++i)
+      layers.emplace_back(input.frame.parts[i].name, denoised.parts[i]);
+    return write_picture(output, layers, input.original, parts_of(input.frame), job_.full_float, by);
   }
 
   const DenoiseJob& job_;

@@ -22,6 +22,7 @@ struct DenoiseJob {
   int samples = 0;               // the first so many of each frame; 0: all
   bool skip_existing = false;    // pictures that are there are left alone
   bool full_float = false;
+  bool filter_alpha = false;  // like a light part; else it is the mean of the samples'
   std::filesystem::path
       noisy;  // of a single picture: where the mean of its samples goes, too; empty: nowhere
   // EXR parts for looking, of layer networks: filtered layers, what they add to the picture, unfiltered ones,

@@ -45,23 +45,23 @@ int threads_of(const DenoiseOptions& options) {
 struct Denoiser::State {
   NetworkWeights network;
   // What the last frame ran with.
+  graph::Graph graph;
   std::unique_ptr<Execution> execution;
   int threads = 0;
   int64_t budget = 0;
 
-  std::unique_ptr<Execution> plan(const graph::Graph& graph, const PictureExtent& picture, int used_threads,
+  std::unique_ptr<Execution> plan(const graph::Graph& of, const PictureExtent& picture, int used_threads,
                                   int64_t block = 0) const {
-    return std::make_unique<Execution>(graph, network.weights, picture,
-                                       ExecutionOptions{used_threads, block});
+    return std::make_unique<Execution>(of, network.weights, picture, ExecutionOptions{used_threads, block});
   }
 
   /// With as many rows at a time as the budget allows.
-  std::unique_ptr<Execution> plan(const graph::Graph& graph, const Frame& frame,
+  std::unique_ptr<Execution> plan(const graph::Graph& of, const Frame& frame,
                                   const DenoiseOptions& options) const {
     const PictureExtent picture = extent_of(frame);
     malloc_trim(0);  // what earlier plans have freed
     const int64_t base = std::max<int64_t>(resident_bytes() - frame.bytes(), 0) + kThreads;
-    auto made = plan(graph, picture, threads_of(options));
+    auto made = plan(of, picture, threads_of(options));
     if (options.max_memory_bytes <= 0) return made;
     while (base + made->memory_bytes() > options.max_memory_bytes) {
       const int64_t block = made->block_rows();
@@ -72,18 +72,20 @@ struct Denoiser::State {
             options.max_memory_bytes / kBudgetMegabyte, frame.width, frame.height, frame.spp,
             megabytes(base + made->memory_bytes()), megabytes(base));
       made.reset();
-      made = plan(graph, picture, threads_of(options), block / 2);
+      made = plan(of, picture, threads_of(options), block / 2);
     }
     return made;
   }
 
-  Execution& execution_for(const Frame& frame, const DenoiseOptions& options) {
+  Execution& execution_for(const Frame& frame, const graph::LightParts& parts,
+                           const DenoiseOptions& options) {
     const PictureExtent picture = extent_of(frame);
-    const bool fits = execution && execution->picture() == picture && threads == threads_of(options) &&
-                      budget == options.max_memory_bytes;
+    const bool fits = execution && execution->picture() == picture && graph.parts == parts &&
+                      threads == threads_of(options) && budget == options.max_memory_bytes;
     if (!fits) {
       execution.reset();
-      execution = plan(network.graph, frame, options);
+      graph = network_graph(network.config, parts);
+      execution = plan(graph, frame, options);
       threads = threads_of(options);
       budget = options.max_memory_bytes;
     }
@@ -110,8 +112,28 @@ const NetworkConfig& Denoiser::network_config() const {
 }
 
 Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options) const {
-  Execution& execution = state_->execution_for(frame, options);
+  Execution& execution = state_->execution_for(frame, {}, options);
   return std::move(execution.run(frame, progress_of(options))[0]);
+}
+
+DenoisedParts Denoiser::denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options) const {
+  if (alpha && frame.alpha.empty()) fail("no alpha to filter: the frame has none");
+  Execution& execution = state_->execution_for(frame, {int64_t(frame.parts.size()), alpha}, options);
+  const Image colour(frame.width, frame.height, 3);
+  DenoisedParts result = {colour, std::vector<Image>(frame.parts.size(), colour), {}};
+  if (alpha) result.alpha = Image(frame.width, frame.height, 1);
+  std::vector<Image*> images = {&result.picture};
+  for (Image& part : result.parts) images.push_back(&part);
+  images.push_back(&result.alpha);
+  execution.run(frame, progress_of(options), [&](int64_t begin, int64_t end) {
+    int64_t plane = 0;
+    for (Image* image : images)
+      for (int c = 0; c < image->channels; ++c, ++plane)
+        for (int64_t y = begin; y < end; ++y)
+          std::copy_n(execution.row(0, plane, y), frame.width, &image->at(c, 0, int(y)));
+  });
+  for (float& value : result.alpha.pixels) value = std::min(value, 1.0f);  // rounding may lead beyond
+  return result;
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {

@@ -49,6 +49,13 @@ struct LayerPicture {
   Image contribution;  // what the layer adds to the output [3, H, W]; the sum over layers is the output
 };
 
+/// A picture and what was filtered with its weights.
+struct DenoisedParts {
+  Image picture;             // [3, H, W]: what denoise() gives, bit for bit
+  std::vector<Image> parts;  // of Frame::parts, [3, H, W] each
+  Image alpha;               // [1, H, W] within [0, 1]; empty unless asked for
+};
+
 class Denoiser {
  public:
   /// `model` is a weight file (.safetensors), a checkpoint folder or a run folder (its `best` checkpoint).
@@ -65,9 +72,15 @@ class Denoiser {
   /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. The frame has
   /// been sanitised (read_frame and import_frame do) and has a depth scale. Its samples are encoded row by
   /// row as the network reads them: no second copy of them is made. What was planned for a frame is kept for
-  /// the next of its size. Throws Error for a frame without samples and for a budget that is too small,
-  /// naming the smallest that will do; Cancelled. Not for several threads at once.
+  /// the next of its size. Light parts are left alone. Throws Error for a frame without samples and for a
+  /// budget that is too small, naming the smallest that will do; Cancelled. Not for several threads at once.
   Image denoise(const Frame& frame, const DenoiseOptions& options = {}) const;
+
+  /// The same, and with the same kernels all of the frame's light parts and, with `alpha`, its alpha. Every
+  /// network is linear in the radiance that it filters once the radiance has decided on the weights, so parts
+  /// that sum to the radiance of every sample come out as parts that sum to the picture, to rounding. Throws
+  /// Error as denoise(), and for `alpha` of a frame that has none.
+  DenoisedParts denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options = {}) const;
 
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
   int64_t least_memory_bytes(int width, int height, int spp) const;

@@ -38,8 +38,8 @@ class Execution {
   /// Rows [begin, end) of all outputs are there: row(output, plane, y).
   using Rows = std::function<void(int64_t begin, int64_t end)>;
 
-  /// All outputs of the graph, the denoised picture [3, H, W] first. The frame has that size, has been
-  /// sanitised and has a depth scale.
+  /// All outputs of the graph, the denoised picture [3 + parts, H, W] first. The frame has that size and
+  /// those parts, has been sanitised and has a depth scale.
   std::vector<Image> run(const Frame& frame, const Progress& progress = {});
   /// The same, without keeping what `rows` does not keep.
   void run(const Frame& frame, const Progress& progress, const Rows& rows);

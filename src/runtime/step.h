@@ -34,8 +34,9 @@ struct StepContext {
 
   // Of the frame that runs.
   const Frame* frame = nullptr;
-  double exposure = 1;    // of radiance as the network sees it, where the graph says so
-  float value_scale = 1;  // of radiance in filters, whose sums could overflow (ops/finite_sources.h)
+  double exposure = 1;  // of radiance as the network sees it, where the graph says so
+  // Of radiance, and of parts of it, in filters, whose sums could overflow (ops/finite_sources.h).
+  float value_scale = 1, part_scale = 1;
 
   const RowWindow& input(const graph::Node& node, size_t i) const { return windows[node.inputs[i]]; }
   const RowWindow& output(const graph::Node& node, size_t i = 0) const { return windows[node.outputs[i]]; }

@@ -29,6 +29,9 @@ class SplatStep : public Step {
       channels += values_.back().planes / log_n_.planes;
     }
     shape_ = {log_n_.planes, op.kernel, channels, embedding_.height, embedding_.width};
+    // What is filtered is the first of them; the last channels of that are parts.
+    main_ = context.graph[node.inputs[3]].channels - context.graph[node.inputs[3]].parts;
+    parts_ = context.graph[node.inputs[3]].parts;
     pixels_ = stretch_pixels(shape_.layers * shape_.taps(), shape_.width);
     for (int t = 0; t < context.threads; ++t) workers_.emplace_back(network_, shape_, pixels_);
   }
@@ -52,9 +55,9 @@ class SplatStep : public Step {
     parallel_for(context_.threads, end - begin, [&](int64_t i, int) {
       const int64_t y = begin + i;
       merge_row(shape_, op_.joint, strips, y, {out_.row(y), nullptr, nullptr, out_.pitch});
-      if (context_.value_scale != 1)
-        for (int64_t c = 0; c < out_.planes; ++c)
-          for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= context_.value_scale;
+      for (int64_t c = 0; c < out_.planes; ++c)
+        if (const float scale = scale_of(c % shape_.channels); scale != 1)
+          for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= scale;
     });
     while (!strips_.empty() && reach_of_front() <= end) drop_front();
   }
@@ -128,7 +131,13 @@ class SplatStep : public Step {
     for (int64_t l = 0; l < shape_.layers; ++l) stage_values(at, l, worker);
   }
 
-  /// A pixel's layer whose values or weight are not finite sends nothing (ops/finite_sources.h).
+  bool is_part(int64_t channel) const { return channel >= main_ && channel < main_ + parts_; }
+  float scale_of(int64_t channel) const {
+    return is_part(channel) ? context_.part_scale : context_.value_scale;
+  }
+
+  /// A pixel's layer whose values or weight are not finite sends nothing (ops/finite_sources.h). Parts have
+  /// no say in that: they are finite.
   void stage_values(const Stretch& at, int64_t l, Worker& worker) const {
     SplatSourcesRow& sources = worker.sources;
     float* log_n = sources.log_n.row(l);
@@ -141,9 +150,10 @@ class SplatStep : public Step {
       for (int64_t i = 0; i < channels; ++i, ++c) {
         const float* __restrict from = values.row(at.y, l * channels + i) + at.x;
         float* __restrict to = sources.values.row(l * shape_.channels + c);
+        const float scale = scale_of(c);
         for (int64_t x = 0; x < at.count; ++x) {
           const bool good = std::fabs(from[x]) <= std::numeric_limits<float>::max();
-          to[x] = good ? from[x] * context_.value_scale : 0.0f;
+          to[x] = good ? from[x] * scale : 0.0f;
           finite[x] = good ? finite[x] : 0.0f;
         }
         std::fill(to + at.count, to + padded(at.count), 0.0f);
@@ -162,6 +172,7 @@ class SplatStep : public Step {
   std::vector<RowWindow> values_;
   TileNetwork network_;
   FilterShape shape_{};
+  int64_t main_ = 0, parts_ = 0;  // channels
   int64_t pixels_ = 0;
   std::vector<Worker> workers_;
   std::deque<std::unique_ptr<SplatStrip>> strips_;  // those that rows to come still need
@@ -199,6 +210,39 @@ struct ModulationFactorsRow {
         ++count;
       }
     return sum / float(count);
+  }
+};
+
+/// Of Modulate.
+struct ModulateRow {
+  RowWindow filtered, factors, out;
+
+  void operator()(int64_t y, float* __restrict beta) const {
+    const int64_t width = out.width, coloured = (out.planes - 3) / 3 * 3;
+    for (int64_t x = 0; x < width; ++x) {
+      float plain = 0;
+      for (int64_t c = 0; c < 3; ++c) plain = std::max(plain, filtered.row(y, 3 + c)[x]);
+      beta[x] = plain > float(kLargestModulated) ? 0.0f : factors.row(y, 3)[x];
+    }
+    for (int64_t c = 0; c < 3; ++c) {
+      const float* __restrict mean = factors.row(y, c);
+      const float* __restrict divided = filtered.row(y, c);
+      const float* __restrict plain = filtered.row(y, 3 + c);
+      float* __restrict to = out.row(y, c);
+      for (int64_t x = 0; x < width; ++x) to[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
+    }
+    for (int64_t c = 0; c < out.planes - 3; ++c) {
+      const float* __restrict plain = filtered.row(y, 6 + coloured + c);
+      float* __restrict to = out.row(y, 3 + c);
+      if (c >= coloured) {  // alpha
+        std::copy_n(plain, width, to);
+        continue;
+      }
+      // The same mean in the form that no sign and size of a part makes overflow.
+      const float* __restrict mean = factors.row(y, c % 3);
+      const float* __restrict divided = filtered.row(y, 6 + c);
+      for (int64_t x = 0; x < width; ++x) to[x] = (1 - beta[x]) * plain[x] + beta[x] * (mean[x] * divided[x]);
+    }
   }
 };
 
@@ -244,22 +288,8 @@ std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph:
   return row_step(context, 0, row);
 }
 std::unique_ptr<Step> make_step(const graph::Modulate&, const graph::Node& node, StepContext& context) {
-  const RowWindow filtered = context.input(node, 0), factors = context.input(node, 1),
-                  out = context.output(node);
-  return row_step(context, out.width, [=](int64_t y, float* __restrict beta) {
-    for (int64_t x = 0; x < out.width; ++x) {
-      float plain = 0;
-      for (int64_t c = 0; c < 3; ++c) plain = std::max(plain, filtered.row(y, 3 + c)[x]);
-      beta[x] = plain > float(kLargestModulated) ? 0.0f : factors.row(y, 3)[x];
-    }
-    for (int64_t c = 0; c < 3; ++c) {
-      const float* __restrict mean = factors.row(y, c);
-      const float* __restrict divided = filtered.row(y, c);
-      const float* __restrict plain = filtered.row(y, 3 + c);
-      float* __restrict to = out.row(y, c);
-      for (int64_t x = 0; x < out.width; ++x) to[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
-    }
-  });
+  const ModulateRow row = {context.input(node, 0), context.input(node, 1), context.output(node)};
+  return row_step(context, row.out.width, row);
 }
 
 }  // namespace ld

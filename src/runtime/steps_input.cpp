@@ -41,8 +41,15 @@ class EncodeStep : public Step {
     const uint8_t* drawn = frame.valid_plane(s) + offset;
     float* valid = valid_.row(y, s);
     for (int64_t x = 0; x < frame.width; ++x) valid[x] = drawn[x] != 0 ? 1.0f : 0.0f;
-    for (int c = 0; c < 3; ++c)
-      std::copy_n(frame.plane(s, kRadianceOffset + c) + offset, frame.width, radiance_.row(y, 3 * s + c));
+    const graph::LightParts& parts = context_.graph.parts;
+    int64_t light = s * (3 + parts.channels());
+    const auto add_light = [&](const float* plane) {
+      std::copy_n(plane + offset, frame.width, radiance_.row(y, light++));
+    };
+    for (int c = 0; c < 3; ++c) add_light(frame.plane(s, kRadianceOffset + c));
+    for (size_t part = 0; part < size_t(parts.colours); ++part)
+      for (int c = 0; c < 3; ++c) add_light(frame.part_plane(part, s, c));
+    if (parts.alpha) add_light(frame.alpha.data() + size_t(s) * frame.plane_size());
     const auto count = int64_t(channels_.size());
     for (int64_t c = 0; c < count; ++c) {
       float* out = features_.row(y, s * count + c);
@@ -109,14 +116,33 @@ struct DemodulateRow {
         a[c * pitch + x] = most <= float(kNoReflectance) ? 1.0f : clamped;
       }
     }
+    const int64_t in = radiance.planes / valid.planes, out = forms.planes / valid.planes;
     for (int64_t c = 0; c < 3; ++c) {
-      const float* light = radiance.row(y, s * 3 + c);
-      float* divided = forms.row(y, s * 6 + c);
-      float* plain = forms.row(y, s * 6 + 3 + c);
+      const float* light = radiance.row(y, s * in + c);
+      float* divided = forms.row(y, s * out + c);
+      float* plain = forms.row(y, s * out + 3 + c);
       for (int64_t x = 0; x < features.width; ++x) {
         divided[x] = std::min(light[x], float(kLargestDemodulated)) / a[c * pitch + x];
         plain[x] = light[x];
       }
+    }
+    const int64_t coloured = (in - 3) / 3 * 3;
+    for (int64_t c = 0; c < in - 3; ++c) {
+      const float* part = radiance.row(y, s * in + 3 + c);
+      const bool colour = c < coloured;
+      std::copy_n(part, features.width, forms.row(y, s * out + 6 + coloured + c));
+      if (colour)
+        divide_part(part, radiance.row(y, s * in + c % 3), a + c % 3 * pitch, forms.row(y, s * out + 6 + c));
+    }
+  }
+
+  /// Of such parts as the radiance is bounded to, so that their sum is still that.
+  void divide_part(const float* __restrict part, const float* __restrict light, const float* __restrict a,
+                   float* __restrict divided) const {
+    constexpr auto kMost = float(kLargestDemodulated);
+    for (int64_t x = 0; x < features.width; ++x) {
+      const float bounded = part[x] * (kMost / std::max(light[x], kMost));
+      divided[x] = std::clamp(bounded, -kMost, kMost) / a[x];
     }
   }
 };

@@ -74,6 +74,53 @@ class Embed : public ::testing::Test {
   std::vector<std::vector<float>> buffers_;
 };
 
+TEST_F(Embed, PartsOfTheLightSumToThePictureAndLeaveItsBits) {
+  set_all();
+  const std::vector<float> expected = denoise();
+  const std::vector<float> light = samples_of(frame_, "radiance");
+  std::vector<float> parts[2] = {light, light}, pictures[2];
+  for (size_t i = 0; i < light.size(); ++i) {
+    parts[0][i] = light[i] * 1.25F * float(i % 7) / 6;
+    parts[1][i] = light[i] - parts[0][i];
+  }
+  for (int i = 0; i < 2; ++i) {
+    pictures[i].resize(expected.size());
+    denoiser_.add_part(parts[i].data(), pictures[i].data());
+  }
+  std::vector<float> alpha(frame_.valid.size(), 1), filtered(2 * frame_.plane_size(), -1);
+  const LdStrides every_other = {0, 0, 2 * frame_.width, 2};
+  denoiser_.set_alpha(alpha.data(), filtered.data(), nullptr, &every_other);
+  EXPECT_EQ(denoise(), expected);
+  const float largest = *std::max_element(expected.begin(), expected.end());
+  for (size_t i = 0; i < expected.size(); ++i)
+    ASSERT_NEAR(pictures[0][i] + pictures[1][i], expected[i], 1e-5F * largest);
+  for (size_t p = 0; p < frame_.plane_size(); ++p) {
+    ASSERT_NEAR(filtered[2 * p], 1, 1e-6F);
+    ASSERT_EQ(filtered[2 * p + 1], -1) << "what lies between is the caller's";
+  }
+  denoiser_.set_size(frame_.width, frame_.height, frame_.spp);
+  std::fill(pictures[0].begin(), pictures[0].end(), -1.0F);
+  set_all();
+  denoise();
+  EXPECT_EQ(pictures[0], std::vector<float>(expected.size(), -1)) << "a new size forgets the parts";
+}
+
+TEST_F(Embed, WrongPartsOfTheLight) {
+  std::vector<float> data(1);
+  EXPECT_NE(failure(LD_INVALID_ARGUMENT, [&] { denoiser_.add_part(nullptr, data.data()); })
+                .find("samples of a part of the light are a null pointer"),
+            std::string::npos);
+  EXPECT_NE(failure(LD_INVALID_ARGUMENT, [&] { denoiser_.set_alpha(data.data(), nullptr); })
+                .find("picture to write of alpha is a null pointer"),
+            std::string::npos);
+  layered_denoiser::Denoiser fresh(kWeights.string());
+  EXPECT_NE(failure(LD_INVALID_ARGUMENT, [&] { fresh.add_part(data.data(), data.data()); })
+                .find("a part of the light was set before the size"),
+            std::string::npos);
+  EXPECT_EQ(ld_add_part(nullptr, data.data(), nullptr, data.data(), nullptr), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_set_alpha(nullptr, data.data(), nullptr, data.data(), nullptr), LD_INVALID_ARGUMENT);
+}
+
 TEST_F(Embed, GivesThePictureOfTheDenoiserBitForBit) {
   set_all();
   EXPECT_EQ(denoise(), expected_picture(kWeights, frame_));

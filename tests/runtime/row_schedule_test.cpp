@@ -86,7 +86,7 @@ TEST(Reach, IsWhatTheOperatorsOfSeveralResolutionsRead) {
 
 TEST(RowSchedule, AValueThatNobodyReadsTwiceNeedsABlock) {
   NetworkConfig config;
-  const graph::Graph graph = layer_graph(config);
+  const graph::Graph graph = network_graph(config);
   const RowSchedule schedule(graph, {8, 1080, 1920}, 32);
   for (graph::ValueId id = 0; id < graph.values.size(); ++id)
     if (graph[id].name == "features") {

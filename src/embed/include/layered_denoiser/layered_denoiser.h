@@ -79,6 +79,20 @@ LD_API LdStatus ld_set_size(LdDenoiser* denoiser, int width, int height, int spp
 LD_API LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const float* data,
                                const LdStrides* strides);
 
+/* Parts of the light (what single lamps send, diffuse and specular, direct and indirect): each call adds one.
+ * `samples` are its radiance [spp][3][height][width], which may be negative. ld_denoise() filters it with the
+ * weights of the picture and writes [3][height][width] to `picture` when it succeeds. Parts that sum to the
+ * radiance in every sample so come out as parts that sum to the picture, to rounding, whose bits they do not
+ * change. A part with a NaN or an infinity where the radiance has none counts as 0 in that sample. Both
+ * memories stay the caller's. ld_set_size() forgets the parts. */
+LD_API LdStatus ld_add_part(LdDenoiser* denoiser, const float* samples, const LdStrides* strides,
+                            float* picture, const LdStrides* picture_strides);
+
+/* The same for the samples' alpha, [spp][1][height][width], 0 to 1, the radiance premultiplied by it;
+ * `picture` receives [1][height][width]. Samples whose alpha is a NaN or an infinity are left out. */
+LD_API LdStatus ld_set_alpha(LdDenoiser* denoiser, const float* samples, const LdStrides* strides,
+                             float* picture, const LdStrides* picture_strides);
+
 /* Which samples were drawn, [spp][height][width], 0 for no; NULL (the default): all. */
 LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
 

@@ -55,6 +55,17 @@ class Denoiser {
   void set_feature(const std::string& name, const float* data, const LdStrides* strides = nullptr) {
     check(ld_set_feature(denoiser_.get(), name.c_str(), data, strides));
   }
+  /// A part of the light, [spp][3][height][width], whose filtered picture denoise() writes to `picture`,
+  /// [3][height][width], both unless strides say otherwise; ld_add_part() says the rest.
+  void add_part(const float* samples, float* picture, const LdStrides* strides = nullptr,
+                const LdStrides* picture_strides = nullptr) {
+    check(ld_add_part(denoiser_.get(), samples, strides, picture, picture_strides));
+  }
+  /// Alpha, [spp][1][height][width], likewise: to [1][height][width].
+  void set_alpha(const float* samples, float* picture, const LdStrides* strides = nullptr,
+                 const LdStrides* picture_strides = nullptr) {
+    check(ld_set_alpha(denoiser_.get(), samples, strides, picture, picture_strides));
+  }
   void set_valid(const uint8_t* valid) { check(ld_set_valid(denoiser_.get(), valid)); }
   void set_max_memory(size_t megabytes) { check(ld_set_max_memory(denoiser_.get(), megabytes)); }
 
