@@ -15,7 +15,7 @@ graph::Graph layer_graph(const NetworkConfig& config, const graph::LightParts& p
 
 graph::Graph layer_views_graph(const NetworkConfig& config) {
   graph::Graph graph;
-  const LayeredGraph made = add_plain_layers(graph, config);
+  const LayeredGraph made = add_layers(graph, config);
   const GraphLayers& layers = made.layers;
   const std::vector<graph::ValueId> sources = {layers.embedding, made.features[0], layers.log_n};
   const auto filter = [&](bool joint, const char* name, std::vector<graph::ValueId> values) {
