@@ -90,21 +90,34 @@ void run_sizes(const Options& options, const std::vector<ld::SizeRow>& rows, nlo
   json["sizes"] = ld::to_json(times, machine);
 }
 
-void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
+void run_cost(const Options& options, nlohmann::ordered_json& json) {
   const auto costs = ld::cost_by_samples(options.sizes, options.spp);
   publish(options, "cost.md", ld::markdown(costs, options.spp));
   draw(options, "cost.svg", ld::figure(costs, options.spp));
   json["cost"] = ld::to_json(costs, options.spp);
+}
 
+void run_stages(const Options& options, nlohmann::ordered_json& json) {
   const auto stages = ld::time_by_stage(options.sizes, options.measure.repeats);
   publish(options, "stages.md", ld::markdown(stages));
   draw(options, "stages.svg", ld::figure(stages));
   json["stages"] = ld::to_json(stages);
+}
 
+void run_samples(const Options& options, nlohmann::ordered_json& json) {
   const auto times = ld::time_by_samples(options.sizes, options.spp, options.measure.repeats);
   publish(options, "samples.md", ld::markdown(times));
   draw(options, "samples.svg", ld::figure(times));
   json["samples"] = ld::to_json(times);
+}
+
+/// A table of its own, which --only picks like a row.
+struct Sweep {
+  std::string name;
+  void (*run)(const Options&, nlohmann::ordered_json&);
+};
+std::vector<Sweep> sweeps() {
+  return {{"cost", run_cost}, {"stages", run_stages}, {"samples", run_samples}};
 }
 
 nlohmann::ordered_json run_network(const Options& options, int threads) {
@@ -113,10 +126,11 @@ nlohmann::ordered_json run_network(const Options& options, int threads) {
   std::vector<std::string> names;
   add_names(rows, names);
   add_names(sizes, names);
+  add_names(sweeps(), names);
   ld::check_only(options.only, names);
   auto json = run_rows(options, rows, "network", threads);
   run_sizes(options, sizes, json);
-  if (options.only.empty()) run_sweeps(options, json);
+  for (const Sweep& sweep : ld::chosen_rows(sweeps(), options.only)) sweep.run(options, json);
   return json;
 }
 
@@ -196,7 +210,7 @@ Commands declare(CLI::App& app, Options& options) {
         "folder for the tables (.md) and figures (.svg) (default: tables are printed, no more)");
     ld::repeated(command->add_option(
         "--only", options.only,
-        "only this row; may be repeated; leaves out the rest of it all (default: all rows)"));
+        "only this row, or of network the table cost, stages or samples; may be repeated (default: all)"));
     command->add_option("--configs", options.sizes.configs, "folder of the networks' YAML files")
         ->capture_default_str();
   }

@@ -19,7 +19,7 @@ std::vector<SizeRow> size_rows(const BenchSizes& sizes) {
   };
   for (const std::string& name : network_names())
     add(name, [sizes, name] { return bench_weights(bench_config(sizes, name)); });
-  for (const std::string& name : released_models()) add(name, [name] { return read_network(name); });
+  for (const std::string& name : released_models()) add(name, [name] { return read_network_weights(name); });
   return rows;
 }
 

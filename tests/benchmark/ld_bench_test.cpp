@@ -107,6 +107,9 @@ TEST(LdBench, OnlyPicksRowsAndNamesAreChecked) {
   EXPECT_TRUE(sizes.at("rows").empty());
   EXPECT_EQ(sizes.at("sizes").size(), 1);
   EXPECT_FALSE(sizes.contains("stages"));
+  const auto stages = run_bench(folder, {"network", "--only", "stages"});
+  EXPECT_EQ(stages.at("stages").size(), 8);
+  EXPECT_FALSE(stages.contains("sizes"));
   expect_failure(run_program("ld_bench", {}), 2, {"subcommand"});
 }
 
