@@ -13,6 +13,7 @@
 #include "import/recognise.h"
 #include "import/source_plan.h"
 #include "inference/denoise_job.h"
+#include "inference/denoiser.h"
 #include "weights/released.h"
 #include "weights/weight_file.h"
 

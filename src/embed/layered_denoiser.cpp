@@ -141,7 +141,7 @@ LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid) {
 
 LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
-  denoiser->options.max_memory_bytes = int64_t(std::min(megabytes, size_t(1) << 30)) * kBudgetMegabyte;
+  denoiser->options.max_memory_bytes = int64_t(std::min(megabytes, size_t(1) << 30)) * ld::kBudgetMegabyte;
   return LD_OK;
 }
 
