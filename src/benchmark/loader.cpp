@@ -17,7 +17,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/log.h"
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "core/text_table.h"
 #include "losses/loss.h"
 #include "models/initialise.h"

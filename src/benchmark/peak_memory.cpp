@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "ops/memory_pool.h"
 
 namespace ld {

@@ -130,12 +130,6 @@ void* zero_pages(size_t count, size_t size) {
   return memory;
 }
 
-int64_t Frame::bytes() const {
-  size_t floats = samples.size() + alpha.size();
-  for (const LightPart& part : parts) floats += part.samples.size();
-  return static_cast<int64_t>(floats * sizeof(float) + valid.size());
-}
-
 Faults sanitise(Frame& frame) {
   Faults faults;
   for (int s = 0; s < frame.spp; ++s) sanitise(frame, s, 0, frame.plane_size(), faults);

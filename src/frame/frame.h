@@ -68,12 +68,6 @@ struct FrameInfo {
   Windows windows;
 };
 
-/// Light that adds up with others to the radiance: what one lamp sends, or what diffuse surfaces reflect.
-struct LightPart {
-  std::string name;            // of the layer in files
-  std::vector<float> samples;  // [spp, 3, height, width], linear; may be negative
-};
-
 /// Memory for so many values, all bits 0, which std::free takes back. Throws std::bad_alloc.
 void* zero_pages(size_t count, size_t size);
 
@@ -98,6 +92,12 @@ struct ZeroPages {
   bool operator!=(const ZeroPages& /*other*/) const { return false; }
 };
 
+/// Light that adds up with others to the radiance: what one lamp sends, or what diffuse surfaces reflect.
+struct LightPart {
+  std::string name;                              // of the layer in files
+  std::vector<float, ZeroPages<float>> samples;  // [spp, 3, height, width], linear; may be negative
+};
+
 /// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
 /// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
 /// are then 0, and its alpha). Channels of features that the frame does not hold are 0.
@@ -120,7 +120,8 @@ struct Frame {
   size_t plane_size() const { return size_t(width) * size_t(height); }
   /// The memory of what it holds; features that it does not hold take none.
   int64_t bytes() const {
-    return int64_t(valid.size()) * (1 + channel_count(features) * int64_t(sizeof(float))) +
+    const int64_t channels = channel_count(features) + 3 * int64_t(parts.size());
+    return int64_t(valid.size()) * (1 + channels * int64_t(sizeof(float))) +
            int64_t(alpha.size() * sizeof(float));
   }
   float* plane(int sample, int channel) {
@@ -136,11 +137,9 @@ struct Frame {
     return const_cast<Frame*>(this)->part_plane(part, sample, channel);
   }
   LightPart& add_part(const std::string& name) {
-    parts.push_back({name, zeros_in_large_pages(size_t(spp) * 3 * plane_size())});
+    parts.push_back({name, std::vector<float, ZeroPages<float>>(size_t(spp) * 3 * plane_size())});
     return parts.back();
   }
-  /// Of all that it holds for samples.
-  int64_t bytes() const;
   uint8_t* valid_plane(int sample) { return valid.data() + size_t(sample) * plane_size(); }
   const uint8_t* valid_plane(int sample) const { return valid.data() + size_t(sample) * plane_size(); }
   bool holds(const std::string& feature) const {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/child_process.h"
 #include "core/error.h"
+#include "core/process/child_process.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "frame/exr_check.h"

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/file_identity.h"
 #include "core/log.h"
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "frame/frame_file.h"

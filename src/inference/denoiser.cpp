@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "core/threads.h"
 #include "inference/layer_views.h"
 #include "models/graphs/network_graph.h"

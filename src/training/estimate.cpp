@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "core/progress.h"
 #include "ops/memory_pool.h"
 #include "training/optimizer/optimizer.h"

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "core/signals.h"
 #include "graph/extent.h"
 #include "models/graphs/network_graph.h"

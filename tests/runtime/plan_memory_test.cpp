@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "graph/extent.h"
 #include "models/check_network.h"
 #include "models/graphs/network_graph.h"

@@ -5,7 +5,7 @@
 
 #include <mutex>
 
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "metrics/metric.h"
 #include "models/initialise.h"
 #include "ops/memory_pool.h"

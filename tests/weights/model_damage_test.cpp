@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
-#include "core/process_memory.h"
+#include "core/process/process_memory.h"
 #include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/sanitized.h"

@@ -1,5 +1,5 @@
 // Linked into every program and every test program: wait_passively() before any library is loaded.
-#include "core/waiting.h"
+#include "core/process/waiting.h"
 
 namespace ld {
 namespace {
