@@ -27,7 +27,7 @@ nb::tuple read_frame_arrays(const std::string& path, int samples, int threads,
   for (const Feature& feature : feature_schema()) {
     if (!held.holds(feature.name)) continue;
     const size_t four[4] = {shape[0], shape[1], shape[2], size_t(feature.channels)};
-    const int64_t strides[4] = {kSampleChannels * plane, held.width, 1, plane};
+    const int64_t strides[4] = {held.channels * plane, held.width, 1, plane};
     arrays[feature.name.c_str()] = nb::cast(
         nb::ndarray<nb::numpy, float, nb::ndim<4>>(held.plane(0, feature.offset), 4, four, owner, strides));
   }

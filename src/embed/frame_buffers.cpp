@@ -21,7 +21,7 @@ void FrameBuffers::set_size(int width, int height, int spp) {
     fail_usage("a frame of {}x{} pixels with {} samples a pixel; expected at least 1 of each", width, height,
                spp);
   const double samples = double(width) * double(height) * double(spp);
-  if (samples * kSampleChannels * sizeof(float) > 1e12)
+  if (samples * kAllChannels * sizeof(float) > 1e12)
     fail_usage("a frame of {}x{} pixels with {} samples a pixel would take over 1000 GB", width, height, spp);
   features_.clear();
   parts_.clear();
@@ -70,7 +70,7 @@ Frame FrameBuffers::gather(const std::vector<std::string>& features, const std::
   for (const std::string& name : required)
     if (features_.count(name) == 0)
       fail_usage("feature '{}' has no buffer; these weights read it, set it with ld_set_feature", name);
-  Frame frame(width_, height_, spp_);
+  Frame frame(width_, height_, spp_, frame_channels(features));
   frame.features.clear();
   for (const std::string& name : features)
     if (features_.count(name) > 0) frame.features.push_back(name);

@@ -29,6 +29,20 @@ bool all_within(const float* values, size_t count, float low, float high) {
   return out == 0;
 }
 
+/// Radiance and its parts; all others are guides.
+bool is_light(int channel) {
+  return channel < kNormalOffset || channel >= kDirectOffset;
+}
+
+float least_value(int channel) {
+  return is_light(channel) || channel == kIdOffset ? 0 : -kHalfMax;
+}
+
+float largest_value(int channel) {
+  if (channel == kIdOffset) return kMostId;
+  return is_light(channel) ? std::numeric_limits<float>::max() : kHalfMax;
+}
+
 float* alpha_of(Frame& frame, const Stretch& stretch) {
   if (frame.alpha.empty()) return nullptr;
   return frame.alpha.data() + static_cast<size_t>(stretch.sample) * frame.plane_size() + stretch.first;
@@ -37,9 +51,9 @@ float* alpha_of(Frame& frame, const Stretch& stretch) {
 /// Whether nothing is to be done, which is the rule: a tenth of the time of going through all planes pixel by
 /// pixel.
 bool is_clean(Frame& frame, const Stretch& stretch) {
-  for (int c = 0; c < kSampleChannels; ++c)
-    if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count,
-                    c < 3 ? 0.0F : -kEscapedDepth, c < 3 ? std::numeric_limits<float>::max() : kEscapedDepth))
+  for (int c = 0; c < frame.channels; ++c)
+    if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count, least_value(c),
+                    largest_value(c)))
       return false;
   const float* alpha = alpha_of(frame, stretch);
   if (alpha != nullptr && !all_within(alpha, stretch.count, 0, 1)) return false;
@@ -52,12 +66,12 @@ bool is_clean(Frame& frame, const Stretch& stretch) {
   return std::all_of(valid, valid + stretch.count, [](uint8_t v) { return v != 0; });
 }
 
-/// Sets the guides of a sample that are not finite to what a ray that escaped has; channel c is at sample[c *
-/// pitch]. Returns how many there were.
-int64_t mend_guides(float* sample, size_t pitch) {
+/// Sets the guides of a sample of so many channels that are not finite to what a ray that escaped has;
+/// channel c is at sample[c * pitch]. Returns how many there were.
+int64_t mend_guides(float* sample, int channels, size_t pitch) {
   int64_t mended = 0;
   for (const Feature& feature : feature_schema()) {
-    if (feature.offset == kRadianceOffset) continue;
+    if (feature.offset == kRadianceOffset || feature.offset >= channels) continue;
     float* const guide = sample + static_cast<size_t>(feature.offset) * pitch;
     bool finite = true;
     for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
@@ -98,17 +112,15 @@ void mend(Frame& frame, const Stretch& stretch, Faults& faults) {
       ++faults.not_finite;
       valid[p] = 0;
     }
-    if (valid[p] != 0) faults.guides += mend_guides(sample, pixels);
-    for (size_t c = 0; c < kSampleChannels; ++c) {
-      float& value = sample[c * pixels];
+    if (valid[p] != 0) faults.guides += mend_guides(sample, frame.channels, pixels);
+    for (int c = 0; c < frame.channels; ++c) {
+      float& value = sample[static_cast<size_t>(c) * pixels];
       if (valid[p] == 0) {
         value = 0;
-      } else if (c < 3) {
-        if (value < 0) ++faults.negative;
-        value = std::max(value, 0.0F);
-      } else {
-        value = std::clamp(value, -kEscapedDepth, kEscapedDepth);
+        continue;
       }
+      if (c < 3 && value < 0) ++faults.negative;
+      value = std::clamp(value, least_value(c), largest_value(c));
     }
     if (alpha != nullptr) alpha[p] = valid[p] == 0 ? 0.0F : std::clamp(alpha[p], 0.0F, 1.0F);
   }
@@ -142,6 +154,21 @@ void sanitise(Frame& frame, int sample, size_t first, size_t count, Faults& faul
     const Stretch stretch = {sample, first + done, std::min(kStretch, count - done)};
     if (!is_clean(frame, stretch)) mend(frame, stretch, faults);
   }
+}
+
+int64_t fit_in_half(Frame& frame, int sample) {
+  const size_t pixels = frame.plane_size();
+  float* const radiance[3] = {frame.plane(sample, 0), frame.plane(sample, 1), frame.plane(sample, 2)};
+  std::vector<float*> parts;
+  for (int c = kDirectOffset; c < frame.channels; ++c) parts.push_back(frame.plane(sample, c));
+  for (size_t part = 0; part < frame.parts.size(); ++part)
+    for (int c = 0; c < 3; ++c) parts.push_back(frame.part_plane(part, sample, c));
+  for (float* part : parts)
+    for (size_t p = 0; p < pixels; ++p) {
+      const float most = std::max({radiance[0][p], radiance[1][p], radiance[2][p]});
+      if (most > kHalfMax && std::isfinite(most)) part[p] *= kHalfMax / most;
+    }
+  return fit_colours_in_half(radiance[0], radiance[1], radiance[2], pixels);
 }
 
 namespace {

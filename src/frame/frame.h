@@ -2,14 +2,17 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <map>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "frame/camera_matrices.h"
 #include "frame/schema.h"
 
 namespace ld {
@@ -66,6 +69,8 @@ struct FrameInfo {
   std::string camera;     // parameters of the camera, for people
   int64_t clamped = 0;    // Faults::clamped when the file was written
   Windows windows;
+  std::optional<Matrix4> world_to_camera, world_to_ndc;  // at shutter open, frame/camera_matrices.h
+  bool cut = false;  // of a sequence: the camera was elsewhere in the frame before; flow is kNoFlow
 };
 
 /// Memory for so many values, all bits 0, which std::free takes back. Throws std::bad_alloc.
@@ -98,11 +103,12 @@ struct LightPart {
   std::vector<float, ZeroPages<float>> samples;  // [spp, 3, height, width], linear; may be negative
 };
 
-/// Samples as [spp, kSampleChannels, height, width] in the units of schema.cpp, with a validity mask [spp,
-/// height, width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels
-/// are then 0, and its alpha). Channels of features that the frame does not hold are 0.
+/// Samples as [spp, channels, height, width] in the units of schema.cpp, with a validity mask [spp, height,
+/// width]: 1 for a sample that was drawn, 0 for one that is missing or was masked out (its channels are then
+/// 0, and its alpha). Channels of features that the frame does not hold are 0. Features from kSampleChannels
+/// on have planes only where the frame was made with kAllChannels: ask holds() first.
 struct Frame {
-  int width = 0, height = 0, spp = 0;
+  int width = 0, height = 0, spp = 0, channels = kSampleChannels;
   std::vector<std::string> features = mh20_feature_names();  // those it holds, in any order
   std::vector<float, ZeroPages<float>> samples;
   std::vector<uint8_t> valid;
@@ -111,11 +117,13 @@ struct Frame {
   FrameInfo info;
 
   Frame() = default;
-  Frame(int w, int h, int s)
+  /// `c`: kSampleChannels or kAllChannels (frame_channels()).
+  Frame(int w, int h, int s, int c = kSampleChannels)
       : width(w),
         height(h),
         spp(s),
-        samples(size_t(w) * size_t(h) * size_t(s) * kSampleChannels),
+        channels(c),
+        samples(size_t(w) * size_t(h) * size_t(s) * size_t(c)),
         valid(size_t(w) * size_t(h) * size_t(s), 1) {}
   size_t plane_size() const { return size_t(width) * size_t(height); }
   /// The memory of what it holds; features that it does not hold take none.
@@ -125,7 +133,7 @@ struct Frame {
            int64_t(alpha.size() * sizeof(float));
   }
   float* plane(int sample, int channel) {
-    return samples.data() + (size_t(sample) * kSampleChannels + size_t(channel)) * plane_size();
+    return samples.data() + (size_t(sample) * size_t(channels) + size_t(channel)) * plane_size();
   }
   const float* plane(int sample, int channel) const {
     return const_cast<Frame*>(this)->plane(sample, channel);
@@ -152,14 +160,19 @@ constexpr float kLargestPart = 3e38F;
 
 /// Masks samples whose radiance or alpha holds a NaN or an infinity. A guide that holds one is set to what a
 /// ray that escaped has (depth kEscapedDepth, all others 0): it costs the guide, not the light. Sets negative
-/// radiance to 0, clamps guides to half's range, alpha to [0, 1] and sets the channels of masked samples to
-/// 0. A light part whose colour holds a NaN or an infinity is 0 in that sample, which counts all the same;
-/// those beyond +-kLargestPart are set to that. Every frame passes through here once, on its way in.
+/// radiance and what its channels for filters say of it to 0, clamps guides to half's range, ids to [0,
+/// kMostId], alpha to [0, 1] and sets the channels of masked samples to 0. A light part whose colour holds a
+/// NaN or an infinity is 0 in that sample, which counts all the same; those beyond +-kLargestPart are set to
+/// that. Every frame passes through here once, on its way in.
 Faults sanitise(Frame& frame);
 
 /// The same for `count` pixels of one sample from `first` on; adds to `faults`. Different pixels may be done
 /// at once.
 void sanitise(Frame& frame, int sample, size_t first, size_t count, Faults& faults);
+
+/// Darkens radiance of a sample that is beyond half's range as fit_colours_in_half() does, and its parts with
+/// it. Returns how many channels were beyond.
+int64_t fit_in_half(Frame& frame, int sample);
 
 /// Mean radiance of the valid samples, [3, H, W], accumulated in double; 0 where a pixel has none.
 Image mean_radiance(const Frame& frame);

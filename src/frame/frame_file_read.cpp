@@ -66,9 +66,13 @@ std::string misnamed_sample(const ExrReader& exr) {
   return "";
 }
 
+/// Channels of integers that happen to be called like those of filters are none of ours.
 bool holds(const ExrReader& exr, int part, const Feature& feature) {
-  for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
-    if (!exr.has_channel(part, feature.exr_channels[c])) return false;
+  const Imf::ChannelList& channels = exr.header(part).channels();
+  for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c) {
+    const Imf::Channel* found = channels.findChannel(feature.exr_channels[c]);
+    if (found == nullptr || (found->type == Imf::UINT && feature.offset >= kSampleChannels)) return false;
+  }
   return true;
 }
 
@@ -178,7 +182,7 @@ void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& 
   if (samples == 0) return;
   frame.spp = samples;
   const size_t kept = static_cast<size_t>(samples) * frame.plane_size();
-  frame.samples.resize(kept * kSampleChannels);
+  frame.samples.resize(kept * static_cast<size_t>(frame.channels));
   frame.valid.resize(kept);
   if (!frame.alpha.empty()) frame.alpha.resize(kept);
   for (LightPart& part : frame.parts) part.samples.resize(3 * kept);
@@ -212,7 +216,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   if (samples > 0) parts.resize(static_cast<size_t>(samples));
   require_features(exr, parts, required);
 
-  Frame frame(header.width, header.height, static_cast<int>(parts.size()));
+  Frame frame(header.width, header.height, static_cast<int>(parts.size()), frame_channels(header.features));
   frame.info = header.info;
   frame.features = header.features;
   if (header.alpha) frame.alpha.resize(frame.valid.size());

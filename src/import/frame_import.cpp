@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "frame/exr_check.h"
 #include "frame/exr_reader.h"
+#include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
 #include "import/file_views.h"
 #include "import/former_result.h"
@@ -84,6 +85,16 @@ std::string describe(const ViewCamera& camera) {
                      camera.fov_y ? fmt::format("; vertical fov {:g} rad", *camera.fov_y) : "");
 }
 
+void add_matrices(const ViewCamera& camera, const Picture& picture, FrameInfo& info) {
+  const auto triple = [](const Imath::V3d& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  const CameraPlace place = {triple(camera.position), triple(camera.right), triple(camera.up),
+                             triple(camera.back)};
+  info.world_to_camera = world_to_camera(place);
+  if (!camera.fov_y) return;
+  const double half_height = std::tan(0.5 * *camera.fov_y);
+  info.world_to_ndc = world_to_ndc(place, half_height * picture.width / picture.height, half_height);
+}
+
 /// Fills a frame sample by sample.
 class FrameBuilder {
  public:
@@ -139,6 +150,7 @@ class FrameBuilder {
     for (const std::string& note : window_.notes()) result_.notes.push_back(note);
     for (const std::string& feature : window_.elsewhere()) leave_out(feature);
     drop_useless_depth();
+    drop_useless_id();
     result_.faults = sanitise(frame);
     require_valid_sample(frame, first_file_);
     frame.info.depth_scale = median_depth(frame);
@@ -200,7 +212,10 @@ class FrameBuilder {
     features_ = feature_list(sample);
     has_alpha_ = sample.alpha.mapping != nullptr;
     const FileViews views(exr, mapping_.view);
-    if (!camera_) camera_ = views.camera();
+    if (!camera_) {
+      camera_ = views.camera();
+      if (camera_) result_.frame.info.world_to_ndc = read_matrix(exr.header(0), kWorldToNdc);
+    }
     mapping_.view = views.chosen();  // of all files, whichever is their own hero
     result_.view = views.chosen();
     if (views.all().size() > 1)
@@ -219,6 +234,7 @@ class FrameBuilder {
     extent_ = window_.extent();
     FrameInfo info = result_.frame.info;
     info.windows = extent_.windows;
+    if (camera_) add_matrices(*camera_, picture_of(extent_.width, extent_.height, extent_.windows), info);
     converter_.emplace(extent_.width, extent_.height, extent_.windows, camera_);
     shared_.resize(features_.size());
     if (feature_list(sample) != features_) fail("{}: changed while it was read; try again", exr.path());
@@ -228,7 +244,7 @@ class FrameBuilder {
       shared_[i] = read_feature(exr, feature, extent_, *converter_);
       result_.repeated.push_back(feature.mapping->feature);
     }
-    result_.frame = Frame(extent_.width, extent_.height, spp_);
+    result_.frame = Frame(extent_.width, extent_.height, spp_, frame_channels(features_));
     result_.frame.info = info;
     result_.frame.features = features_;
     if (has_alpha_) result_.frame.alpha.resize(result_.frame.valid.size());
@@ -286,6 +302,18 @@ class FrameBuilder {
     leave_out("depth");
     result_.notes.emplace_back(
         "depth left out: it says that every ray escaped, but the normals show surfaces; is the pass empty?");
+  }
+
+  /// Objects that nobody numbered are all the same.
+  void drop_useless_id() {
+    Frame& frame = result_.frame;
+    if (!frame.holds("id")) return;
+    for (int s = 0; s < frame.spp; ++s) {
+      const float* id = frame.plane(s, kIdOffset);
+      if (std::any_of(id, id + frame.plane_size(), [](float value) { return value != 0; })) return;
+    }
+    leave_out("id");
+    result_.notes.emplace_back("id left out: it is 0 in every pixel; number the objects from 1 on");
   }
 
   ImportMapping mapping_;

@@ -88,6 +88,8 @@ TEST(Network, SizesThatDoNotFitAreUsageErrors) {
   config.features.push_back("normal");
   expect_usage_error(config, "'normal' twice");
   config = small_config();
+  config.features.back() = "id";
+  expect_usage_error(config, "the feature 'id' is for filters");
   config.features.clear();
   expect_usage_error(config, "network.features is empty");
   config = small_config();

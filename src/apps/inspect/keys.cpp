@@ -18,7 +18,7 @@ namespace {
 std::string names_of(const std::string& key) {
   if (key == "network.name") return fmt::format("{}", fmt::join(network_names(), ", "));
   if (key == "network.features" || key == "network.optional")
-    return fmt::format("{}", fmt::join(feature_names(), ", "));
+    return fmt::format("{}", fmt::join(auto_feature_names(), ", "));
   return "";
 }
 
