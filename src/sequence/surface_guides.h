@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "frame/frame.h"
-#include "frame/reprojection.h"
+#include "sequence/reprojection.h"
 
 namespace ld {
 

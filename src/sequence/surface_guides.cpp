@@ -1,4 +1,4 @@
-#include "frame/surface_guides.h"
+#include "sequence/surface_guides.h"
 
 #include <algorithm>
 #include <utility>
@@ -37,7 +37,8 @@ SurfaceGuides surface_guides(const Frame& frame) {
   guides.depth.assign(count, kEscapedDepth);
   for (std::vector<float>* plane : {&guides.flow_x, &guides.flow_y, &guides.flow_z}) plane->assign(count, 0);
   const int depth = held_channel(frame, "depth"), normal = held_channel(frame, "normal"),
-            flow = held_channel(frame, "flow");
+            flow = held_channel(frame, "flow"), flow_depth = held_channel(frame, "flow_depth"),
+            id = held_channel(frame, "id");
   std::vector<std::pair<float, int>> depths;
   for (size_t p = 0; p < count; ++p) {
     Surface& surface = guides.surface[p];
@@ -51,6 +52,8 @@ SurfaceGuides surface_guides(const Frame& frame) {
       surface.ny = frame.plane(s, normal + 1)[p];
       surface.nz = frame.plane(s, normal + 2)[p];
     }
+    if (id >= 0) surface.id = frame.plane(s, id)[p];
+    if (flow_depth >= 0) guides.flow_z[p] = frame.plane(s, flow_depth)[p];
     if (flow >= 0) {
       guides.flow_x[p] = frame.plane(s, flow)[p];
       guides.flow_y[p] = frame.plane(s, flow + 1)[p];

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "frame/surface_guides.h"
+#include "sequence/surface_guides.h"
 
 namespace ld {
 namespace {
