@@ -70,13 +70,6 @@ std::vector<double> light_change(const SequenceGround& ground) {
   return box_means(std::move(change), std::move(seen), ground.width, ground.height, kLightRadius);
 }
 
-size_t nearest_tap(const Reprojection& place, int width) {
-  const auto nearest =
-      std::max_element(place.taps.begin(), place.taps.end(),
-                       [](const BilinearTap& a, const BilinearTap& b) { return a.weight < b.weight; });
-  return size_t(nearest->y) * size_t(width) + size_t(nearest->x);
-}
-
 }  // namespace
 
 const std::vector<Metric>& sequence_measures() {
@@ -137,10 +130,10 @@ void SequenceGround::advance(const SurfaceGuides& guides, const Image& reference
     for (size_t p = 0; p < count; ++p) {
       const bool surface = guides.surface[p].depth < kEscapedDepth;
       if (!guides.has_flow || !surface) continue;
-      if (!warp[p].valid || std::abs(change[p]) > kLightChange)
+      if (warp[p].seen_at < 0 || std::abs(change[p]) > kLightChange)
         age[p] = 0;
       else
-        age[p] = std::min(age_before_[nearest_tap(warp[p], width)] + 1, kChangedFrames);
+        age[p] = std::min(age_before_[size_t(warp[p].seen_at)] + 1, kChangedFrames);
     }
   }
   for (size_t p = 0; p < count; ++p)

@@ -27,9 +27,9 @@ class SequenceGround {
   size_t frames = 0;
   std::vector<double> shown, shown_before;  // display values of the reference, [3, H, W]
   Warp warp;                                // to the frame before; the first frame has none that is valid
-  /// Frames since the pixel's surface came into view or the light on it changed: since no tap of the frame
-  /// before shows it, or the reference's display values differ by more than 0.1 from the warped ones, both as
-  /// means over 7x7 pixels. kChangedFrames: longer ago, or since the beginning.
+  /// Frames since the pixel's surface came into view or the light on it changed: since the frame before does
+  /// not show it there or beside, or the reference's display values differ by more than 0.1 from the warped
+  /// ones, both as means over 7x7 pixels. kChangedFrames: longer ago, or since the beginning.
   std::vector<int> age;
   /// Pixels that stand still so far: flow of at most 1/64 pixel, and a reference within 0.1 of the first.
   std::vector<uint8_t> still;

@@ -1,6 +1,7 @@
 #include "sequence/surface_guides.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace ld {
@@ -22,6 +23,53 @@ int representative_sample(const Frame& frame, bool has_depth, size_t pixel,
 /// First channel of a feature that the frame holds; -1.
 int held_channel(const Frame& frame, const std::string& feature) {
   return frame.holds(feature) ? find_feature(feature).offset : -1;
+}
+
+/// Whether pixel (x, y) of the previous frame shows what a pixel shows now.
+class SameSurface {
+ public:
+  SameSurface(const SurfaceGuides& now, const SurfaceGuides& before, int x, int y)
+      : before_(before), surface_(now.surface[now.index(x, y)]) {
+    const float slope = depth_slope(now.depth.data(), now.width, now.height, x, y, kEscapedDepth);
+    tolerance_ = depth_tolerance(slope, now.depth_scale);
+    expected_depth_ = surface_.depth + now.flow_z[now.index(x, y)];
+  }
+  bool operator()(int x, int y) const {
+    const Surface& past = before_.surface[before_.index(x, y)];
+    return past.depth < kEscapedDepth && is_same_surface(surface_, expected_depth_, tolerance_, past);
+  }
+
+ private:
+  const SurfaceGuides& before_;
+  const Surface& surface_;
+  float tolerance_, expected_depth_;
+};
+
+Reprojection reproject_pixel(const SurfaceGuides& now, const SurfaceGuides& before, int x, int y) {
+  const SameSurface same(now, before, x, y);
+  const float past_x = static_cast<float>(x) + now.flow_x[now.index(x, y)],
+              past_y = static_cast<float>(y) + now.flow_y[now.index(x, y)];
+  Reprojection found;
+  found.taps = bilinear_taps(past_x, past_y, now.width, now.height);
+  float sum = 0, heaviest = 0;
+  for (BilinearTap& tap : found.taps) {
+    if (tap.weight > 0 && !same(tap.x, tap.y)) tap.weight = 0;
+    sum += tap.weight;
+    if (tap.weight > heaviest) {
+      heaviest = tap.weight;
+      found.seen_at = static_cast<int64_t>(before.index(tap.x, tap.y));
+    }
+  }
+  found.valid = sum >= kReprojectionWeight;
+  for (BilinearTap& tap : found.taps) tap.weight = found.valid ? tap.weight / sum : 0;
+  // Not far outside, and no NaN: a whole number.
+  if (found.seen_at >= 0 || !(std::abs(past_x) < 1e6F && std::abs(past_y) < 1e6F)) return found;
+  const auto middle_x = static_cast<int>(std::lround(past_x)),
+             middle_y = static_cast<int>(std::lround(past_y));
+  for (int j = std::max(middle_y - 1, 0); j <= std::min(middle_y + 1, now.height - 1); ++j)
+    for (int i = std::max(middle_x - 1, 0); i <= std::min(middle_x + 1, now.width - 1); ++i)
+      if (found.seen_at < 0 && same(i, j)) found.seen_at = static_cast<int64_t>(before.index(i, j));
+  return found;
 }
 
 }  // namespace
@@ -68,23 +116,7 @@ std::vector<Reprojection> reproject(const SurfaceGuides& now, const SurfaceGuide
   for (int y = 0; y < now.height; ++y)
     for (int x = 0; x < now.width; ++x) {
       const size_t p = now.index(x, y);
-      const Surface& surface = now.surface[p];
-      if (!(surface.depth < kEscapedDepth)) continue;
-      const float slope = depth_slope(now.depth.data(), now.width, now.height, x, y, kEscapedDepth);
-      const float tolerance = depth_tolerance(slope, now.depth_scale),
-                  expected = surface.depth + now.flow_z[p];
-      Reprojection& found = result[p];
-      found.taps = bilinear_taps(static_cast<float>(x) + now.flow_x[p], static_cast<float>(y) + now.flow_y[p],
-                                 now.width, now.height);
-      float sum = 0;
-      for (BilinearTap& tap : found.taps) {
-        const Surface& past = before.surface[before.index(tap.x, tap.y)];
-        if (!(past.depth < kEscapedDepth) || !is_same_surface(surface, expected, tolerance, past))
-          tap.weight = 0;
-        sum += tap.weight;
-      }
-      found.valid = sum >= kReprojectionWeight;
-      for (BilinearTap& tap : found.taps) tap.weight = found.valid ? tap.weight / sum : 0;
+      if (now.surface[p].depth < kEscapedDepth) result[p] = reproject_pixel(now, before, x, y);
     }
   return result;
 }

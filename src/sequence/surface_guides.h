@@ -2,6 +2,7 @@
 // compare between frames.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "frame/frame.h"
@@ -32,11 +33,15 @@ SurfaceGuides surface_guides(const Frame& frame);
 struct Reprojection {
   std::array<BilinearTap, 4> taps{};
   bool valid = false;
+  /// The pixel of the previous frame that shows the surface, in planes: the heaviest tap, else the first of
+  /// the 3x3 around the place; -1: none. At an edge, samples within the pixel hit one surface now, the other
+  /// then.
+  int64_t seen_at = -1;
 };
 
-/// Of every pixel, [height, width]: at its place plus its flow. Not valid where the ray escaped, where the
-/// place lies outside, where no tap passes is_same_surface, in a frame without flow, and where the sizes
-/// differ.
+/// Of every pixel, [height, width]: at its place plus its flow. Neither valid nor seen where the ray escaped,
+/// where the place lies outside, where no pixel passes is_same_surface, in a frame without flow, and where
+/// the sizes differ.
 std::vector<Reprojection> reproject(const SurfaceGuides& now, const SurfaceGuides& before);
 
 }  // namespace ld

@@ -147,8 +147,7 @@ TEST(HtmlReport, SequencesPlayFromTheirStart) {
   const TemporaryFolder folder;
   report.write(folder / "report.html", *evaluation);
   const std::string page = read_file(folder / "report.html");
-  EXPECT_EQ(count_of(page, "id=\"clip-"), 2U * 2 * 4 + 4)
-      << "and the page's own clip-tabs, -play, -frame, -name";
+  EXPECT_EQ(count_of(page, "id=\"clip-"), 2U * 2 * 4 + 6) << "and the page's own elements";
   EXPECT_NE(page.find("{\"width\":10,\"height\":10,\"frames\":[\"f0\",\"f1\"]}"), std::string::npos);
   EXPECT_NE(page.find("\"unit\":\"sequence\""), std::string::npos);
 }

@@ -90,6 +90,22 @@ TEST(Reprojection, WhatCameIntoViewHasNoPast) {
   for (int x = 0; x < 6; ++x) EXPECT_EQ(found[size_t(x)].valid, x < 2 || x == 4) << x;
 }
 
+TEST(Reprojection, AnEdgeThatFlickersIsSeenBesideIt) {
+  SurfaceGuides now = wall(6, 3, 4), before = wall(6, 3, 4);
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 3; ++x) now.surface[now.index(x, y)].id = before.surface[before.index(x, y)].id = 1;
+  before.surface[before.index(2, 1)].id = 0;  // the sample hit the other side
+  const Reprojection found = reproject(now, before)[now.index(2, 1)];
+  EXPECT_FALSE(found.valid);
+  EXPECT_EQ(found.seen_at, int64_t(before.index(1, 0)));
+  before.surface.assign(18, Surface{4, 0, 0, 1, 9});
+  EXPECT_EQ(reproject(now, before)[now.index(2, 1)].seen_at, -1);
+  for (const float far : {kNan, kInfinity, -3e38F, 100.0F}) {
+    now.flow_x.assign(18, far);
+    EXPECT_EQ(reproject(now, wall(6, 3, 4))[now.index(4, 1)].seen_at, -1) << far;
+  }
+}
+
 TEST(Reprojection, ADollyNeedsTheFlowAlongTheDepth) {
   SurfaceGuides now = wall(3, 3, 4);
   const SurfaceGuides before = wall(3, 3, 5);
