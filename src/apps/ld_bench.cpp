@@ -28,6 +28,7 @@ struct Options {
   std::vector<std::string> files;
   ld::LoaderBench loader;
   ld::TradeoffOptions tradeoff;
+  std::vector<std::string> filters, assignments;  // of the trade-off
 };
 
 /// Pictures of 32x32 with 2 samples and one run each: whether everything works, not how fast.
@@ -146,7 +147,8 @@ struct Commands {
   CLI::App *ops, *network, *render, *loader, *config, *tradeoff;
 };
 
-void declare_tradeoff(CLI::App& command, ld::TradeoffOptions& tradeoff, std::string& out) {
+void declare_tradeoff(CLI::App& command, Options& options) {
+  ld::TradeoffOptions& tradeoff = options.tradeoff;
   command.fallthrough();
   command.add_option("--data", tradeoff.data, "data set")->required();
   command.add_option("--split", tradeoff.split, "which frames")->capture_default_str();
@@ -156,13 +158,17 @@ void declare_tradeoff(CLI::App& command, ld::TradeoffOptions& tradeoff, std::str
       command.add_option("--images", tradeoff.images,
                          "NAME=DIR: another denoiser's pictures of the same frames and its cost.json; may be "
                          "repeated (default: none)"));
+  ld::repeated(command.add_option("--filter", options.filters,
+                                  "eaw or svgf, or NAME= and one of them; may be repeated (default: none)"));
+  ld::repeated(command.add_option("--set", options.assignments,
+                                  "NAME.key=value for the filter of that name; may be repeated"));
   command.add_option("--metric", tradeoff.metric, "the error of the figure and of what counts as beaten")
       ->capture_default_str();
   command.add_option("--frames-limit", tradeoff.frames_limit, "only the first so many frames (default: all)");
   command.add_option("--repeats", tradeoff.repeats, "timed runs of each model on each frame")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--out", out,
+  command.add_option("--out", options.out,
                      "folder for tradeoff.md and tradeoff.svg (default: the table is printed, no more)");
 }
 
@@ -194,7 +200,7 @@ Commands declare(CLI::App& app, Options& options) {
   declare_loader(*commands.loader, options.loader);
   commands.tradeoff =
       app.add_subcommand("tradeoff", "trained models on a data set: error against time and memory");
-  declare_tradeoff(*commands.tradeoff, options.tradeoff, options.out);
+  declare_tradeoff(*commands.tradeoff, options);
   commands.config = app.add_subcommand("config", "what the networks of training configurations cost");
   commands.config->add_option("files", options.files, "YAML configurations")->required();
   for (CLI::App* command : {commands.ops, commands.network, commands.render, commands.config}) {
@@ -239,6 +245,10 @@ nlohmann::ordered_json run_rendering(const Options& options, int threads) {
 
 nlohmann::ordered_json run_tradeoff(Options& options, int threads) {
   options.tradeoff.threads = threads;
+  std::vector<std::string> assignments = options.assignments;
+  options.tradeoff.filters = ld::parse_filter_arguments(options.filters, assignments);
+  if (!assignments.empty())
+    ld::fail_command_line("--set {}: no --filter has that name; expected NAME.key=value", assignments[0]);
   const auto tradeoff = ld::measure_tradeoff(options.tradeoff);
   if (!tradeoff) {
     spdlog::warn("stopped before the last frame: nothing was written, because half a set would mislead");

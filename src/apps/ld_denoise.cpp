@@ -1,4 +1,4 @@
-// Denoises frames with trained weights: `ld_denoise --model FILE INPUT... --output FILE`.
+// Denoises frames with trained weights or a filter: `ld_denoise --model FILE INPUT... --output FILE`.
 
 #include <fmt/ranges.h>
 
@@ -21,7 +21,7 @@
 namespace {
 
 struct Options {
-  std::string model = "common", output, noisy, frames, preset, mapping, camera, view;
+  std::string model = "common", filter, output, noisy, frames, preset, mapping, camera, view;
   std::string alpha = "copy";
   std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
@@ -32,11 +32,15 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option(
-         "--model", o.model,
-         fmt::format("released weights ({}), a file of weights (.safetensors), checkpoint or run folder",
-                     fmt::join(ld::released_models(), ", ")))
-      ->capture_default_str();
+  auto* const model =
+      app.add_option(
+             "--model", o.model,
+             fmt::format("released weights ({}), a file of weights (.safetensors), checkpoint or run folder",
+                         fmt::join(ld::released_models(), ", ")))
+          ->capture_default_str();
+  app.add_option("--filter", o.filter, "instead of a model a denoiser without weights (docs/filters.md)")
+      ->check(CLI::IsMember(ld::filter_kinds()))
+      ->excludes(model);
   app.add_option(
          "inputs", o.inputs,
          "frames, or one frame's renders of other programs; #### in a name stands for a frame's number")
@@ -80,8 +84,8 @@ void declare(CLI::App& app, Options& o) {
                              fmt::join(ld::preset_names(), ", ")));
   app.add_option("--mapping", o.mapping, "YAML file instead of a preset (docs/import.md)");
   ld::repeated(app.add_option("--set", o.assignments,
-                              "key.sub=value, on top of the preset or mapping; may be repeated; ld_inspect "
-                              "--keys mapping lists the keys"));
+                              "key.sub=value, on top of the preset or mapping, or FILTER.key=value; may be "
+                              "repeated; ld_inspect --keys mapping, eaw or svgf lists the keys"));
   app.add_option("--camera", o.camera,
                  "YAML file of the camera (docs/import.md; default: what the files say)");
   app.add_option("--view", o.view,
@@ -166,8 +170,9 @@ std::string model_for(const Options& o, const ld::DenoiseJob& job, const std::fi
   return "means";
 }
 
-ld::DenoiseJob job_of(const Options& o) {
+ld::DenoiseJob job_of(Options o) {
   ld::DenoiseJob job;
+  if (!o.filter.empty()) job.filter = ld::parse_filter_arguments({o.filter}, o.assignments).front();
   if (!o.preset.empty() && !o.mapping.empty()) ld::fail_command_line("expected either --preset or --mapping");
   for (const std::string& part : o.aovs)
     if (std::count(o.aovs.begin(), o.aovs.end(), part) > 1)
@@ -180,7 +185,7 @@ ld::DenoiseJob job_of(const Options& o) {
   job.render = render_input(o, first);
   job.render.also = o.also;
   job.tasks = ld::plan_tasks(inputs, o.output, range, job.render.mapping.has_value());
-  job.model = ld::resolve_model(model_for(o, job, first));
+  if (!job.filter) job.model = ld::resolve_model(model_for(o, job, first));
   job.max_memory_bytes = o.max_memory * ld::kBudgetMegabyte;
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;
@@ -218,11 +223,12 @@ void make_film(const Options& o, const ld::DenoiseJob& job) {
 
 int main(int argc, char** argv) {
   Options options;
-  ld::Application app("ld_denoise", "Denoises frames of samples with trained weights.");
+  ld::Application app("ld_denoise", "Denoises frames of samples with trained weights or a filter.");
   declare(app.options(), options);
   app.options().footer(
       "Examples:\n"
       "  ld_denoise 'render_*.exr' --output denoised.exr\n"
+      "  ld_denoise --filter svgf 'shot.####.exr' --output 'denoised.####.exr'\n"
       "  ld_denoise --model out/run 'shot.####.exr' --frames 1:25 --output 'denoised.####.exr'");
   return app.run(argc, argv, [&] {
     ld::DenoiseJob job = job_of(options);

@@ -1,5 +1,7 @@
-// Scores models, and pictures that other denoisers wrote, against the noisy input and the best Gaussian blur:
-// `ld_eval --data DIR --model NAME=FILE ... --images NAME=DIR ... --out DIR`.
+// Scores models, filters, and pictures that other denoisers wrote, against the noisy input and the best
+// Gaussian blur: `ld_eval --data DIR --model NAME=FILE ... --images NAME=DIR ... --out DIR`.
+
+#include <fmt/ranges.h>
 
 #include <iostream>
 
@@ -9,13 +11,14 @@
 #include "evaluation/image_folder.h"
 #include "evaluation/results.h"
 #include "evaluation/tables.h"
+#include "inference/filter_method.h"
 #include "inference/model_method.h"
 
 namespace {
 
 struct Options {
   std::string data, out, split = "test", baseline;
-  std::vector<std::string> models, images, metrics;
+  std::vector<std::string> models, images, filters, assignments, metrics;
   size_t frames_limit = 0;
   int samples = 0;
   bool per_frame = false, sequences = false;
@@ -31,6 +34,14 @@ void declare(CLI::App& app, Options& options) {
   ld::repeated(app.add_option(
       "--images", options.images,
       "NAME=DIR: pictures of another denoiser, DIR/FRAME.exr (linear); may be repeated (default: none)"));
+  ld::repeated(app.add_option("--filter", options.filters,
+                              fmt::format("{}, a denoiser without weights, or NAME= and one of them; may be "
+                                          "repeated (default: none)",
+                                          fmt::join(ld::filter_kinds(), ", "))));
+  ld::repeated(
+      app.add_option("--set", options.assignments,
+                     "NAME.key=value for the filter of that name; may be repeated; ld_inspect --keys "
+                     "eaw and svgf list the keys"));
   app.add_option("--out", options.out, "folder for tables, pictures and report.html")->required();
   app.add_option("--split", options.split, "which frames: train, validation or test")->capture_default_str();
   app.add_option(
@@ -83,6 +94,7 @@ int main(int argc, char** argv) {
   app.options().footer(
       "Examples:\n"
       "  ld_eval --data out/quickstart/data --model mine=out/run --out out/eval\n"
+      "  ld_eval --data out/quickstart/data --filter eaw --filter svgf --out out/eval\n"
       "  ld_eval --data out/quickstart/data --model mine=out/run --images oidn=out/oidn --baseline oidn "
       "--out out/eval");
 
@@ -91,6 +103,10 @@ int main(int argc, char** argv) {
     evaluator.metrics = ld::metrics_with(options.metrics);
     evaluator.sequences = options.sequences;
     const auto arguments = ld::parse_model_arguments(options.models);
+    std::vector<std::string> assignments = options.assignments;
+    const auto filters = ld::parse_filter_arguments(options.filters, assignments);
+    if (!assignments.empty())
+      ld::fail_command_line("--set {}: no --filter has that name; expected NAME.key=value", assignments[0]);
     const auto folders = ld::parse_named_arguments("--images", "oidn=out/oidn", options.images);
     std::vector<std::filesystem::path> inputs = {options.data};
     for (const auto& argument : arguments) inputs.emplace_back(argument.file);
@@ -110,6 +126,8 @@ int main(int argc, char** argv) {
       for (const ld::LoadedModel& model : models)
         methods.push_back(ld::method_of(model, ld::cost_of(model, first)));
     }
+    for (const ld::FilterArgument& filter : filters)
+      methods.push_back(ld::filter_method(filter, app.threads()));
     for (const ld::ModelArgument& folder : folders)
       methods.push_back(ld::image_folder_method(folder.name, folder.file, frames.names));
     ld::check_baseline(options.baseline, methods);

@@ -13,6 +13,7 @@
 #include "core/process/process_memory.h"
 #include "core/progress.h"
 #include "core/signals.h"
+#include "core/threads.h"
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
 #include "inference/denoiser.h"
@@ -23,7 +24,8 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int64_t kSteps = 100;  // of the progress of one frame
+constexpr int64_t kSteps = 100;                                // of the progress of one frame
+const std::vector<std::string> kRadianceAlone = {"radiance"};  // all else a filter can do without
 
 /// Of the samples, [1, H, W]; empty where they have none.
 Image kept_alpha(const Frame& frame) {
@@ -56,7 +58,11 @@ bool is_finished(const fs::path& output) {
 class Run {
  public:
   explicit Run(const DenoiseJob& job)
-      : job_(job), denoiser_(job.model), progress_("denoising", int64_t(job.tasks.size()) * kSteps) {
+      : job_(job), progress_("denoising", int64_t(job.tasks.size()) * kSteps) {
+    if (job.filter)
+      filter_.emplace(*job.filter);
+    else
+      denoiser_.emplace(job.model);
     how_.threads = job.threads;
     how_.max_memory_bytes = job.max_memory_bytes;
     how_.cancel = stop_requested;
@@ -66,7 +72,8 @@ class Run {
 
   nlohmann::ordered_json denoise(const DenoiseTask& task) {
     const InputFrame input =
-        read_input(task.inputs, job_.render, denoiser_.features(), job_.samples, job_.threads);
+        read_input(task.inputs, job_.render, filter_ ? kRadianceAlone : denoiser_->features(), job_.samples,
+                   job_.threads);
     const Frame& frame = input.frame;
     tell_what_was_taken(input);
     if (job_.filter_alpha && frame.alpha.empty())
@@ -74,7 +81,11 @@ class Run {
            task.inputs[0].string());
     state_.advance(task.place, frame.width, frame.height);
     const auto start = std::chrono::steady_clock::now();
-    DenoisedParts denoised = denoiser_.denoise_parts(frame, job_.filter_alpha, how_);
+    DenoisedParts denoised;
+    if (filter_)
+      denoised.picture = filter_->denoise(frame, state_, threads_);
+    else
+      denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
     const std::vector<std::string> notes = write(task.output, denoised, input);
@@ -129,8 +140,16 @@ class Run {
       else if (picture_format(task.output) != PictureFormat::exr &&
                (!job_.render.also.empty() || job_.filter_alpha))
         fail_usage("{}: --also and --alpha filter go with EXR; PNG holds neither", task.output.string());
+    if (filter_ && (!job_.render.also.empty() || job_.filter_alpha))
+      fail_usage("--also and --alpha filter go with models; the filter {} takes the whole light",
+                 filter_->kind());
+    if (filter_ && job_.max_memory_bytes > 0)
+      fail_usage("--max-memory goes with models; the filter {} takes what its planes take", filter_->kind());
     if (!job_.wants_parts()) return;
-    const std::string& network = denoiser_.network_config().name;
+    if (filter_)
+      fail_usage("--aovs and --kernel-at look into networks with layers, but {} is a filter",
+                 filter_->kind());
+    const std::string& network = denoiser_->network_config().name;
     if (network != "layer")
       fail_usage("the model's network is '{}', which has no layers to look at; expected 'layer'", network);
     for (const DenoiseTask& task : job_.tasks)
@@ -182,7 +201,7 @@ class Run {
     if (job_.layers || job_.contributions || job_.unfiltered) {
       DenoiseOptions how = how_;
       how.progress = nullptr;  // the picture is what takes long
-      const std::vector<LayerPicture> layers = denoiser_.layers(frame, how);
+      const std::vector<LayerPicture> layers = denoiser_->layers(frame, how);
       for (size_t l = 0; l < layers.size(); ++l) {
         const std::string name = fmt::format("layer{}", l);
         const LayerPicture& layer = layers[l];
@@ -193,7 +212,7 @@ class Run {
       }
     }
     for (const auto& [x, y] : job_.kernels_at) {
-      const std::vector<Image> kernels = denoiser_.kernels_at(frame, x, y);
+      const std::vector<Image> kernels = denoiser_->kernels_at(frame, x, y);
       for (size_t l = 0; l < kernels.size(); ++l)
         parts.push_back({fmt::format("kernel.{}.{}.layer{}", x, y, l),
                          kernels[l],
@@ -211,8 +230,10 @@ class Run {
       write_image(output, denoised.picture);
       return {};
     }
-    const std::string by = fmt::format("ld_denoise {}, network {}, weights {}", LD_VERSION,
-                                       denoiser_.network_config().name, checksum_);
+    const std::string by = filter_
+                               ? fmt::format("ld_denoise {}, filter {}", LD_VERSION, filter_->description())
+                               : fmt::format("ld_denoise {}, network {}, weights {}", LD_VERSION,
+                                             denoiser_->network_config().name, checksum_);
     PictureLayers layers = {{"", with_alpha(denoised.picture, denoised.alpha)}};
     for (size_t i = 0; i < denoised.parts.size(); ++i)
       layers.emplace_back(input.frame.parts[i].name, denoised.parts[i]);
@@ -220,9 +241,11 @@ class Run {
   }
 
   const DenoiseJob& job_;
-  Denoiser denoiser_;
+  std::optional<Denoiser> denoiser_;  // or:
+  std::optional<FrameFilter> filter_;
+  int threads_ = job_.threads > 0 ? job_.threads : default_threads();
   // Of the weights, not their name: equal ones make equal files wherever they lie.
-  std::string checksum_ = file_checksum(job_.model);
+  std::string checksum_ = job_.filter ? std::string() : file_checksum(job_.model);
   Progress progress_;
   DenoiseOptions how_;
   SequenceState state_;

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "filters/frame_filter.h"
 #include "inference/denoiser.h"
 #include "layered_denoiser/layered_denoiser.hpp"
 #include "tests/support/random_frame.h"
@@ -287,6 +288,47 @@ TEST_F(Embed, TheCallersFloatingPointSettingsComeBack) {
   }
 }
 #endif
+
+TEST(EmbedFilter, GivesThePicturesOfTheFilterOverASequenceBitForBit) {
+  ld_set_threads(1);
+  auto denoiser = layered_denoiser::Denoiser::filter("svgf", {"levels=3"});
+  FrameFilter filter({"svgf", "svgf", {"levels=3"}});
+  SequenceState state;
+  Frame frame = random_frame(13, 9, 1);
+  denoiser.set_size(frame.width, frame.height, frame.spp);
+  const auto next = [&](int64_t position) {
+    std::vector<std::vector<float>> buffers;
+    for (const auto& [name, channels] : denoiser.features())
+      if (find_feature(name).offset + channels <= kSampleChannels) {
+        buffers.push_back(samples_of(frame, name));
+        denoiser.set_feature(name, buffers.back().data());
+      }
+    std::vector<float> picture(3 * frame.plane_size());
+    denoiser.denoise(picture.data());
+    Frame same = frame;
+    same.features = {"radiance", "normal", "depth", "albedo", "specular", "flow"};
+    same.info.depth_scale = median_depth(same);
+    state.advance(SequencePlace{0, position}, frame.width, frame.height);
+    EXPECT_EQ(picture, filter.denoise(same, state, 1).pixels) << position;
+    for (float& value : frame.samples) value *= 0.5F;
+  };
+  for (const int64_t position : {0, 1, 2}) next(position);
+  denoiser.restart();
+  state.end();
+  for (const int64_t position : {3, 4}) next(position);
+}
+
+TEST(EmbedFilter, RefusesWhatIsNone) {
+  LdDenoiser* denoiser = nullptr;
+  EXPECT_EQ(ld_create_filter("bilateral", nullptr, &denoiser), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_create_filter(nullptr, nullptr, &denoiser), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_create_filter("eaw", nullptr, nullptr), LD_INVALID_ARGUMENT);
+  const char* settings[] = {"sigma=1", nullptr};
+  EXPECT_EQ(ld_create_filter("eaw", settings, &denoiser), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(denoiser, nullptr);
+  EXPECT_EQ(ld_restart(nullptr), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_set_camera(nullptr, nullptr, nullptr), LD_INVALID_ARGUMENT);
+}
 
 TEST_F(Embed, ThreadsMayBeSetWhileAnotherThreadDenoises) {
   set_all();
