@@ -34,8 +34,11 @@ std::vector<std::string> feature_list(const SourceSample& sample) {
 
 /// Of the view that was read.
 std::vector<std::string> unused_channels(const ExrReader& exr, const FileViews& views,
-                                         const std::vector<SourceSample>& samples) {
+                                         const std::vector<SourceSample>& samples,
+                                         const std::vector<SourcePart>& parts) {
   std::set<std::pair<int, std::string>> used;
+  for (const SourcePart& part : parts)
+    for (const SourceChannel& channel : part.channels) used.insert({channel.part, channel.name});
   for (const SourceSample& sample : samples) {
     for (const SourceFeature& feature : sample.features)
       for (const SourceChannel& channel : feature.channels) used.insert({channel.part, channel.name});
@@ -59,6 +62,12 @@ std::string taken_text(const SourceFeature& source) {
   if (source.mapping->feature == "normal") text += fmt::format(" ({} space)", source.mapping->space);
   if (source.mapping->feature == "depth") text += fmt::format(" ({})", source.mapping->kind);
   return text;
+}
+
+std::vector<std::string> names_of(const std::vector<SourcePart>& parts) {
+  std::vector<std::string> names;
+  for (const SourcePart& part : parts) names.push_back(part.name);
+  return names;
 }
 
 std::string taken_text(const SourcePart& part) {
@@ -110,7 +119,9 @@ class FrameBuilder {
     const ExrReader exr(path);
     const std::vector<SourceSample> samples = plan_for(exr);
     if (spp_ == 0) start(exr, samples[0]);
-    if (!also_.empty()) choose_parts(exr);
+    if (const std::vector<std::string> parts = names_of(chosen_parts(exr)); parts != parts_)
+      fail("{}: holds the light parts {}, but {} {}; expected the same in all samples", exr.path(),
+           fmt::join(parts, ", "), first_file_, fmt::join(parts_, ", "));
     for (const SourceSample& sample : samples) {
       for (const SourceChannel& channel : sample.features[0].channels)
         if (is_denoised(exr, FileViews(exr, mapping_.view), channel.part))
@@ -173,21 +184,17 @@ class FrameBuilder {
     return samples;
   }
 
-  /// Those of the first file; all others must have them, too.
-  void choose_parts(const ExrReader& exr) {
-    const std::vector<SourcePart> parts = plan_light_parts(exr, mapping_)[0];
-    std::vector<std::string> names;
-    for (const SourcePart& part : parts) names.push_back(part.name);
-    const std::vector<std::string> chosen = choose_names(names, also_, exr.path());
-    if (spp_ == 0) {
-      parts_ = chosen;
-      for (const SourcePart& part : parts)
-        if (std::count(chosen.begin(), chosen.end(), part.name) > 0)
-          result_.taken.push_back(taken_text(part));
-    }
-    if (chosen != parts_)
-      fail("{}: holds the light parts {}, but {} {}; expected the same in all samples", exr.path(),
-           fmt::join(chosen, ", "), first_file_, fmt::join(parts_, ", "));
+  /// Those of a file's first sample that are asked for.
+  std::vector<SourcePart> chosen_parts(const ExrReader& exr) const {
+    if (also_.empty()) return {};
+    std::vector<SourcePart> parts = plan_light_parts(exr, mapping_)[0];
+    const std::vector<std::string> chosen = choose_names(names_of(parts), also_, exr.path());
+    parts.erase(std::remove_if(parts.begin(), parts.end(),
+                               [&](const SourcePart& part) {
+                                 return std::count(chosen.begin(), chosen.end(), part.name) == 0;
+                               }),
+                parts.end());
+    return parts;
   }
 
   void read_parts(const ExrReader& exr, const std::vector<SourcePart>& parts) {
@@ -223,7 +230,10 @@ class FrameBuilder {
           fmt::format("view: {}, of {}; --view NAME takes another", views.chosen(), views.list());
     for (const SourceFeature& feature : sample.features) result_.taken.push_back(taken_text(feature));
     if (sample.alpha.mapping != nullptr) result_.taken.push_back(taken_text(sample.alpha));
-    result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all));
+    const std::vector<SourcePart> parts = chosen_parts(exr);
+    parts_ = names_of(parts);
+    for (const SourcePart& part : parts) result_.taken.push_back(taken_text(part));
+    result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all), parts);
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
     for (const SourceFeature& feature : sample.features) first_mapping_.push_back(feature.mapping);
