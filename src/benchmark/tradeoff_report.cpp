@@ -12,7 +12,7 @@ namespace {
 /// Lower is better in all of them.
 std::vector<double> costs(const TradeoffPoint& point, size_t metric) {
   const double score = point.scores[metric];
-  return {metrics()[metric].lower_is_better ? score : -score, point.ms, point.peak_mb};
+  return {metrics()[metric].best == Best::lowest ? score : -score, point.ms, point.peak_mb};
 }
 
 bool beats(const std::vector<double>& a, const std::vector<double>& b) {
@@ -85,7 +85,7 @@ ScatterPlot figure(const Tradeoff& tradeoff) {
   ScatterPlot plot;
   plot.title = fmt::format("{} against time and memory, {} frames of {}x{}, {} spp", metric.title,
                            tradeoff.frames, tradeoff.width, tradeoff.height, tradeoff.spp);
-  plot.y_label = fmt::format("{} ({} is better)", metric.title, metric.lower_is_better ? "lower" : "higher");
+  plot.y_label = fmt::format("{} ({} is better)", metric.title, better_word(metric.best));
   plot.x_labels = {fmt::format("ms a frame, {} threads", tradeoff.threads), "peak memory, MB"};
   plot.filled_label = "no other model beats it";
   plot.hollow_label = "another model beats it in all";
