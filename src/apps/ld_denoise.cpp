@@ -14,6 +14,7 @@
 #include "import/source_plan.h"
 #include "inference/denoise_job.h"
 #include "inference/denoiser.h"
+#include "sequence/movie_file.h"
 #include "weights/released.h"
 #include "weights/weight_file.h"
 
@@ -24,6 +25,8 @@ struct Options {
   std::string alpha = "copy";
   std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
+  std::string movie;
+  double frames_a_second = 24;
   int samples = 0;
   bool skip_existing = false, full_float = false, allow_identical = false;
 };
@@ -44,6 +47,11 @@ void declare(CLI::App& app, Options& o) {
   app.add_option(
       "--noisy", o.noisy,
       "also write the mean of the samples, of a single picture, here (.exr, .png; default: nowhere)");
+  app.add_option("--movie", o.movie,
+                 "then also make a film of the pictures (.mp4, .webm) by ffmpeg (default: none)");
+  app.add_option("--fps", o.frames_a_second, "frames a second of --movie")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
   app.add_option("--frames", o.frames, "A:B denoises frames A to B - 1 (default: all that there are)");
   app.add_option("--samples", o.samples, "only the first so many samples of each frame (default: all)")
       ->check(CLI::Range(1, 4096));
@@ -198,6 +206,14 @@ void tell_what_is_done(const ld::DenoiseJob& job, const ld::DenoiseReport& repor
       report.failed.empty() ? "" : fmt::format(", {} failed", report.failed.size()));
 }
 
+void make_film(const Options& o, const ld::DenoiseJob& job) {
+  if (o.movie.empty()) return;
+  const std::filesystem::path film =
+      ld::write_movie(o.movie, o.frames_a_second, job.tasks.size(),
+                      [&](size_t i) { return ld::read_shown_picture(job.tasks[i].output); });
+  spdlog::info("{} pictures in {}", job.tasks.size(), film.string());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -211,7 +227,9 @@ int main(int argc, char** argv) {
   return app.run(argc, argv, [&] {
     ld::DenoiseJob job = job_of(options);
     job.threads = app.threads();
-    std::vector<std::filesystem::path> outputs = {options.noisy}, to_write = {options.noisy, app.json_path()},
+    if (!options.movie.empty()) ld::require_movie_name("--movie", options.movie);
+    std::vector<std::filesystem::path> outputs = {options.noisy, options.movie},
+                                       to_write = {options.noisy, options.movie, app.json_path()},
                                        inputs = {job.model, options.mapping, options.camera};
     for (const ld::DenoiseTask& task : job.tasks) {
       outputs.push_back(task.output);
@@ -235,5 +253,6 @@ int main(int argc, char** argv) {
           "{} of {} frames failed, the first {}; the others are done, and --skip-existing does only what is "
           "left",
           report.failed.size(), job.tasks.size(), report.failed[0]);
+    make_film(options, job);
   });
 }
