@@ -6,7 +6,7 @@
 
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
-#include "frame/sequence_runs.h"
+#include "sequence/sequence_runs.h"
 
 namespace ld {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "evaluation/scores.h"
-#include "frame/sequence_state.h"
 #include "metrics/sequence_meter.h"
 #include "plot/svg_plot.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 

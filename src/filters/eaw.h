@@ -2,8 +2,8 @@
 // for fast Global Illumination Filtering") on plain planes.
 #pragma once
 
+#include "filters/kernels/surfaces.h"
 #include "filters/settings.h"
-#include "filters/surfaces.h"
 
 namespace ld {
 

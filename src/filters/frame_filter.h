@@ -8,7 +8,7 @@
 #include "filters/eaw.h"
 #include "filters/frame_guides.h"
 #include "filters/svgf.h"
-#include "frame/sequence_state.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 

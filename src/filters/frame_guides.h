@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "filters/illumination.h"
-#include "filters/surfaces.h"
+#include "filters/kernels/surfaces.h"
 #include "frame/frame.h"
 
 namespace ld {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "filters/luminance.h"
+#include "filters/kernels/luminance.h"
 #include "runtime/parallel.h"
 
 namespace ld {

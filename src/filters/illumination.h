@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "filters/row_planes.h"
+#include "filters/kernels/row_planes.h"
+#include "filters/kernels/surfaces.h"
 #include "filters/settings.h"
-#include "filters/surfaces.h"
 
 namespace ld {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "filters/kernels/level_row.h"
-#include "filters/row_planes.h"
-#include "filters/surfaces.h"
+#include "filters/kernels/row_planes.h"
+#include "filters/kernels/surfaces.h"
 #include "runtime/parallel.h"
 
 namespace ld {

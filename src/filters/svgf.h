@@ -2,8 +2,8 @@
 // Signals have three planes each (1 or 2 signals); `light` has four: colour and variance.
 #pragma once
 
+#include "filters/kernels/surfaces.h"
 #include "filters/settings.h"
-#include "filters/surfaces.h"
 
 namespace ld {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/error.h"
+#include "filters/kernels/luminance.h"
 #include "filters/kernels/svgf_accumulate.h"
-#include "filters/luminance.h"
 #include "filters/svgf.h"
 #include "runtime/parallel.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "frame/sequence_state.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 

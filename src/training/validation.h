@@ -13,9 +13,9 @@
 #include "dataset/frame_store.h"
 #include "dataset/input_tensors.h"
 #include "frame/frame.h"
-#include "frame/sequence_state.h"
 #include "losses/loss.h"
 #include "models/network.h"
+#include "sequence/sequence_state.h"
 #include "training/distributed/process_group.h"
 
 namespace ld {
@@ -76,7 +76,7 @@ class Validation {
 
   std::vector<std::unique_ptr<FrameStore>> stores_;
   std::vector<FrameOf> frames_;                 // of all stores
-  std::vector<std::vector<size_t>> sequences_;  // of frames_ (frame/sequence_runs.h); stills are their own
+  std::vector<std::vector<size_t>> sequences_;  // of frames_ (sequence/sequence_runs.h); stills are their own
   int64_t pictures_;
   int samples_;
 };

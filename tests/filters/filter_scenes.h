@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "filters/row_planes.h"
-#include "filters/surfaces.h"
+#include "filters/kernels/row_planes.h"
+#include "filters/kernels/surfaces.h"
 
 namespace ld {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "filters/kernels/surfaces.h"
 #include "filters/settings.h"
-#include "filters/surfaces.h"
 
 namespace ld {
 

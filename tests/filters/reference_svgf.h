@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "filters/kernels/surfaces.h"
 #include "filters/settings.h"
-#include "filters/surfaces.h"
 #include "reference_eaw.h"
 
 namespace ld {

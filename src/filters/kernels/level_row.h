@@ -14,7 +14,7 @@ struct LevelTap {
 };
 
 /// One row of one level. Planes of one row lie `pitch` floats apart; before and behind each row are margins
-/// (filters/row_planes.h).
+/// (filters/kernels/row_planes.h).
 struct LevelRow {
   int64_t width = 0, pitch = 0;
   const float *surfaces = nullptr, *in = nullptr;  // of the row itself

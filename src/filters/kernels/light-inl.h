@@ -7,8 +7,8 @@
 #endif
 
 #include "filters/kernels/level_row.h"
-#include "filters/luminance.h"
-#include "filters/surfaces.h"
+#include "filters/kernels/luminance.h"
+#include "filters/kernels/surfaces.h"
 #include "ops/kernels/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "filters/row_planes.h"
+#include "filters/kernels/row_planes.h"
 
 namespace ld {
 
