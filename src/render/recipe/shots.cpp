@@ -150,14 +150,15 @@ Shot enter_shot(Director& director) {
                     half_height * static_cast<float>(camera.width) / static_cast<float>(camera.height),
                 radius = half_height * random.uniform(0.15F, 0.35F),
                 side = chance(random, 0.5) ? 1.0F : -1.0F, up = random.uniform(-0.6F, 0.6F) * half_height;
-    // Just outside at first, or entering some frames later.
-    const float start = half_width + radius * 1.2F + half_width * 0.4F * static_cast<float>(i),
-                way = (2.2F + 0.4F * static_cast<float>(i)) * half_width /
-                      static_cast<float>(director.length());
+    // Just outside at first, its ball behind the plane of the picture's edge, or entering some frames later.
+    const float outside = 1.1F * radius * std::hypot(depth, half_width) / depth,
+                later = 0.4F * static_cast<float>(i), start = (1 + later) * half_width + outside,
+                way = (2.2F + later) * half_width / static_cast<float>(director.length());
     Object thing;
     thing.mesh = random_thing(random);
     const Vec3 at = camera.position + camera.axes.to_world({side * start, up, -depth});
-    place(thing.mesh, grey(radius), random_rotation(random), at);
+    const float size = radius / radius_around(thing.mesh.positions, {});
+    place(thing.mesh, grey(size), random_rotation(random), at);
     thing.motion.translation = camera.axes.x * (-side * way);
     const float u = random.uniform(), v = random.uniform();
     thing.motion.axis = sample_sphere(u, v);
