@@ -114,7 +114,7 @@ nlohmann::ordered_json to_json(const QuantisedMeasure& measure) {
 
 QuantisedResult export_quantised(const QuantisedExport& options) {
   const std::filesystem::path file = resolve_model(options.model);
-  const NetworkWeights network = read_network(file);
+  const NetworkWeights network = read_network_weights(file);
   const std::vector<std::string> features = network.config.required_features();
   const FrameSet seen = open_frame_set(options.data, "train", features, options.frames);
   const FrameSet judged = open_frame_set(options.data, "validation", features, options.frames);
@@ -147,7 +147,7 @@ QuantisedResult export_quantised(const QuantisedExport& options) {
           .dump();
   write_atomically(options.out, [&](const std::filesystem::path& temporary) {
     write_network(temporary, int8, result.metadata);
-    read_network(temporary);
+    read_network_weights(temporary);
   });
   return result;
 }

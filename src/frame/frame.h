@@ -128,8 +128,8 @@ struct Frame {
   size_t plane_size() const { return size_t(width) * size_t(height); }
   /// The memory of what it holds; features that it does not hold take none.
   int64_t bytes() const {
-    const int64_t channels = channel_count(features) + 3 * int64_t(parts.size());
-    return int64_t(valid.size()) * (1 + channels * int64_t(sizeof(float))) +
+    const int64_t held = channel_count(features) + 3 * int64_t(parts.size());
+    return int64_t(valid.size()) * (1 + held * int64_t(sizeof(float))) +
            int64_t(alpha.size() * sizeof(float));
   }
   float* plane(int sample, int channel) {

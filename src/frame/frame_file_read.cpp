@@ -86,7 +86,8 @@ std::set<std::string> coloured_layers(const ExrReader& exr, int part) {
     const std::string layer = name.substr(0, name.size() - 2);
     if (exr.has_channel(part, layer + ".G") && exr.has_channel(part, layer + ".B")) layers.insert(layer);
   }
-  for (const Feature& feature : feature_schema()) layers.erase(feature.name);
+  for (const Feature& feature : feature_schema())
+    if (feature.offset < kDirectOffset) layers.erase(feature.name);  // those behind are parts of the light, too
   return layers;
 }
 

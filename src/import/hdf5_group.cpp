@@ -27,7 +27,7 @@ void for_each_plane(Frame& frame, const Hdf5Group& group, const Visit& visit) {
 
 namespace {
 
-constexpr const char *kWorldToCamera = "world_to_camera", *kWorldToNdc = "world_to_ndc", *kCut = "cut";
+constexpr const char *kStoredWorldToCamera = "world_to_camera", *kStoredWorldToNdc = "world_to_ndc", *kCut = "cut";
 
 std::unique_ptr<Hdf5Data> open_numbers(const Hdf5File& file, const char* name,
                                        const std::vector<uint64_t>& dimensions) {
@@ -66,14 +66,14 @@ void require_shape(const Hdf5Data& data, const std::vector<uint64_t>& expected) 
 Hdf5Cameras Hdf5Cameras::make(const Hdf5File& file, const FrameHeader& first, uint64_t frames) {
   Hdf5Cameras cameras;
   const auto& [to_camera, to_ndc] = std::tie(first.info.world_to_camera, first.info.world_to_ndc);
-  if (to_camera) cameras.world_to_camera = file.make(kWorldToCamera, {frames, 16}, true);
-  if (to_ndc) cameras.world_to_ndc = file.make(kWorldToNdc, {frames, 16}, true);
+  if (to_camera) cameras.world_to_camera = file.make(kStoredWorldToCamera, {frames, 16}, true);
+  if (to_ndc) cameras.world_to_ndc = file.make(kStoredWorldToNdc, {frames, 16}, true);
   if (to_camera || to_ndc) cameras.cut = file.make(kCut, {frames}, true);
   return cameras;
 }
 
 Hdf5Cameras Hdf5Cameras::open(const Hdf5File& file, uint64_t frames) {
-  return {open_numbers(file, kWorldToCamera, {frames, 16}), open_numbers(file, kWorldToNdc, {frames, 16}),
+  return {open_numbers(file, kStoredWorldToCamera, {frames, 16}), open_numbers(file, kStoredWorldToNdc, {frames, 16}),
           open_numbers(file, kCut, {frames})};
 }
 

@@ -59,7 +59,7 @@ class CyclesParts : public ::testing::TestWithParam<bool> {
 TEST_P(CyclesParts, PassesAndGroupsSumToCombinedInEverySample) {
   EXPECT_TRUE(import({}).frame.parts.empty());
   for (const std::vector<std::string>& also :
-       {std::vector<std::string>{"diffuse", "glossy", "transmission", "emission", "environment"},
+       {std::vector<std::string>{"diffuse", "glossy", "transmission", "emitted", "environment"},
         {"light_*"},
         {"*_direct", "*_indirect", "em*", "env*"}}) {
     const Frame frame = import(also).frame;

@@ -11,7 +11,7 @@
 namespace ld {
 namespace {
 
-const std::vector<std::string> kSurfaces = {"diffuse", "glossy", "transmission", "emission", "environment"};
+const std::vector<std::string> kSurfaces = {"diffuse", "glossy", "transmission", "emitted", "environment"};
 
 class AlsoParts : public DenoisingTest {
  protected:
