@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "models/graphs/network_cost.h"
+#include "weights/named_weights.h"
 #include "weights/weight_file.h"
 
 namespace ld {
@@ -26,7 +27,7 @@ MethodCost cost_of(const LoadedModel& model, const Frame& frame) {
   int64_t parameters = 0;
   const SafetensorsFile file(resolve_model(model.argument.file));
   for (const TensorView& tensor : file.tensors())
-    parameters += static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
+    if (!is_scale(file, tensor)) parameters += static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
   const NetworkCost cost =
       multiply_adds(model.denoiser->network_config(), frame.spp, frame.height, frame.width);
   return {parameters, cost.total() / static_cast<double>(frame.plane_size())};
