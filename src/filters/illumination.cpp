@@ -79,11 +79,7 @@ void bound_fireflies(RowPlanes& signals, RowPlanes& spare, double bound, int thr
 Image recombined(const RowPlanes& filtered, int planes, const Illumination& light, bool is_compressed,
                  int threads) {
   const int width = filtered.width();
-  Image image;
-  image.width = width;
-  image.height = filtered.height();
-  image.channels = 3;
-  image.pixels = zeros_in_large_pages(3 * image.plane_size());
+  Image image(width, filtered.height(), 3);
   parallel_for(threads, image.height, [&](int64_t y, int) {
     for (int c = 0; c < 3; ++c) {
       const float *const a = light.albedo.row(y, c), *const e = light.emission.row(y, c);

@@ -24,7 +24,7 @@ class RowPlanes {
         planes_(planes),
         pitch_(odd_lines(width + 2 * kMargin)),
         row_pitch_(odd_lines(pitch_ * planes)),
-        memory_(zeros_in_large_pages(size_t(row_pitch_) * size_t(height))) {}
+        memory_(size_t(row_pitch_) * size_t(height)) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -56,7 +56,7 @@ class RowPlanes {
 
   int width_ = 0, height_ = 0, planes_ = 0;
   int64_t pitch_ = 0, row_pitch_ = 0;
-  std::vector<float> memory_;
+  std::vector<float, ZeroPages<float>> memory_;
 };
 
 /// Makes `planes` of that size; what it held may stay. Memory that is kept costs no page faults.
