@@ -66,15 +66,6 @@ void FrameFilter::tell(const std::vector<std::string>& lines) {
   }
 }
 
-const RowPlanes& FrameFilter::filtered(SequenceState& state, int threads) {
-  if (is_temporal()) {
-    if (!state.memory.has_value()) state.memory = SvgfState();
-    return svgf(surfaces_, light_.signals, std::any_cast<SvgfState&>(state.memory), memory_, svgf_, threads);
-  }
-  eaw(surfaces_, light_.signals, spare_, eaw_, threads);
-  return light_.signals;
-}
-
 Image FrameFilter::denoise(const Frame& frame, SequenceState& state, int threads) {
   tell(missing_guides(frame, is_temporal()));
   const IlluminationSettings& light = is_temporal() ? svgf_.light : eaw_.light;
@@ -82,7 +73,19 @@ Image FrameFilter::denoise(const Frame& frame, SequenceState& state, int threads
   if (light.firefly_bound > 0) bound_fireflies(light_.signals, spare_, light.firefly_bound, threads);
   const bool compresses = light.compress == "reinhard";
   if (compresses) compress(light_.signals, threads);
-  return recombined(filtered(state, threads), is_temporal() ? 4 : 3, light_, compresses, threads);
+  if (!is_temporal()) {
+    eaw(surfaces_, light_.signals, spare_, eaw_, threads);
+    recombine(light_.signals, 3, light_, compresses, picture_, threads);
+    return image_of(picture_, threads);
+  }
+  if (!state.memory.has_value()) state.memory = TemporalState();
+  auto& kept = std::any_cast<TemporalState&>(state.memory);
+  const RowPlanes& filtered = svgf(surfaces_, light_.signals, kept.light, memory_, svgf_, threads);
+  recombine(filtered, 4, light_, compresses, picture_, threads);
+  if (svgf_.antialias < 1)
+    antialias(kept.light.surfaces, picture_, kept.picture, spare_, svgf_.antialias,
+              svgf_.antialias_deviations, threads);
+  return image_of(picture_, threads);
 }
 
 }  // namespace ld

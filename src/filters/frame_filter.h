@@ -5,12 +5,19 @@
 #include <utility>
 #include <vector>
 
+#include "filters/antialias.h"
 #include "filters/eaw.h"
 #include "filters/frame_guides.h"
 #include "filters/svgf.h"
 #include "sequence/sequence_state.h"
 
 namespace ld {
+
+/// What SVGF keeps from frame to frame.
+struct TemporalState {
+  SvgfState light;
+  AntialiasState picture;
+};
 
 /// "eaw" and "svgf".
 std::vector<std::string> filter_kinds();
@@ -35,8 +42,8 @@ class FrameFilter {
 
   /// Linear radiance [3, H, W] of a sanitised frame (read_frame and import_frame do) of any size. What the
   /// frame lacks is replaced (filters/frame_guides.h) and named in the log, each thing once. The state's
-  /// memory is an SvgfState. Neither threads nor what was denoised before, the state aside, change a bit. Not
-  /// for several threads at once.
+  /// memory is a TemporalState. Neither threads nor what was denoised before, the state aside, change a bit.
+  /// Not for several threads at once.
   Image denoise(const Frame& frame, SequenceState& state, int threads);
 
   const std::string& kind() const { return kind_; }
@@ -44,7 +51,6 @@ class FrameFilter {
   std::string description() const;
 
  private:
-  const RowPlanes& filtered(SequenceState& state, int threads);
   void tell(const std::vector<std::string>& lines);
 
   std::string kind_;
@@ -54,7 +60,7 @@ class FrameFilter {
   // Memory that is kept from frame to frame for its own sake.
   Surfaces surfaces_;
   Illumination light_;
-  RowPlanes spare_;
+  RowPlanes picture_, spare_;
   SvgfMemory memory_;
   std::vector<std::string> told_;
 };

@@ -76,24 +76,36 @@ void bound_fireflies(RowPlanes& signals, RowPlanes& spare, double bound, int thr
   std::swap(signals, spare);
 }
 
-Image recombined(const RowPlanes& filtered, int planes, const Illumination& light, bool is_compressed,
-                 int threads) {
+void recombine(const RowPlanes& filtered, int planes, const Illumination& light, bool is_compressed,
+               RowPlanes& out, int threads) {
   const int width = filtered.width();
-  Image image(width, filtered.height(), 3);
-  parallel_for(threads, image.height, [&](int64_t y, int) {
+  resize(out, width, filtered.height(), 3);
+  parallel_for(threads, filtered.height(), [&](int64_t y, int) {
     for (int c = 0; c < 3; ++c) {
       const float *const a = light.albedo.row(y, c), *const e = light.emission.row(y, c);
-      float* const out = image.plane(c) + size_t(y) * size_t(width);
+      float* const sum = out.row(y, c);
+      std::fill_n(sum, width, 0.0F);
       for (int first = 0; first < filtered.planes(); first += planes) {
         const float* const s = filtered.row(y, first + c);
         if (is_compressed)
-          for (int x = 0; x < width; ++x) out[x] += inverse_reinhard(s[x]);
+          for (int x = 0; x < width; ++x) sum[x] += inverse_reinhard(s[x]);
         else
-          for (int x = 0; x < width; ++x) out[x] += s[x];
+          for (int x = 0; x < width; ++x) sum[x] += s[x];
       }
-      for (int x = 0; x < width; ++x)
-        out[x] = std::min(out[x] * a[x] + e[x], std::numeric_limits<float>::max());
+      for (int x = 0; x < width; ++x) sum[x] = std::min(sum[x] * a[x] + e[x], kLargestSignal);
     }
+  });
+}
+
+Image image_of(const RowPlanes& picture, int threads) {
+  Image image;
+  image.width = picture.width();
+  image.height = picture.height();
+  image.channels = picture.planes();
+  image.pixels = zeros_in_large_pages(size_t(image.channels) * image.plane_size());
+  parallel_for(threads, image.height, [&](int64_t y, int) {
+    for (int c = 0; c < image.channels; ++c)
+      std::copy_n(picture.row(y, c), image.width, image.plane(c) + size_t(y) * size_t(image.width));
   });
   return image;
 }

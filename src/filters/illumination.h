@@ -31,9 +31,12 @@ void expand(RowPlanes& signals, int threads);
 /// around it; `spare` receives the result and is swapped with `signals`.
 void bound_fireflies(RowPlanes& signals, RowPlanes& spare, double bound, int threads);
 
-/// [3, H, W]: the sum of the filtered signals, times A, plus E. `filtered` has `planes` planes a signal, of
-/// which the first three are its colour.
-Image recombined(const RowPlanes& filtered, int planes, const Illumination& light, bool is_compressed,
-                 int threads);
+/// Three planes: the sum of the filtered signals, times A, plus E, at most kLargestSignal. `filtered` has
+/// `planes` planes a signal, of which the first three are its colour.
+void recombine(const RowPlanes& filtered, int planes, const Illumination& light, bool is_compressed,
+               RowPlanes& out, int threads);
+
+/// [3, H, W]
+Image image_of(const RowPlanes& picture, int threads);
 
 }  // namespace ld

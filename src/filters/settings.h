@@ -26,14 +26,14 @@ struct IlluminationSettings {
 
 /// Dammertz et al. 2010.
 struct EawSettings {
-  IlluminationSettings light = {true, true, "reinhard", 0};
+  IlluminationSettings light;
   int64_t levels = 5;
   std::string kernel = "b3";       // gauss: deviation 1
   std::string range = "colour";    // luminance: |d| is the difference of luminances
   std::string place = "position";  // depth: |X_p - X_q| is the difference of depths
   double sigma_light = 64;         // exp(-|d|^2 / sigma)
-  double sigma_normal = 0.2;       // exp(-|n_p - n_q|^2 / sigma)
-  double sigma_place = 1;          // exp(-|X_p - X_q|^2 / sigma), lengths in tenths of the depth scale
+  double sigma_normal = 0.5;       // exp(-|n_p - n_q|^2 / sigma)
+  double sigma_place = 4;          // exp(-|X_p - X_q|^2 / sigma), lengths in tenths of the depth scale
   bool narrow = false;             // level k: sigma_light / 4^k, |n_p - n_q|^2 / 4^k
 
   template <class Visitor>
@@ -54,19 +54,21 @@ struct EawSettings {
 struct SvgfSettings {
   IlluminationSettings light;
   int64_t levels = 5;
-  double alpha = 0.2;             // least share of the new frame in the colour
-  double alpha_moments = 0.2;     // and in the moments
-  int64_t longest_history = 32;   // frames
-  int64_t feedback = 0;           // the level whose output is the next frame's history; -1: before the first
-  double sigma_light = 4;         // in standard deviations
-  int64_t normal_squarings = 7;   // (n_p . n_q)^(2^7)
-  double sigma_depth = 1;         // in differences that the slope of the surface explains
-  std::string slope = "plane";    // isotropic: the steeper direction's for all
-  double depth_tolerance = 1e-3;  // share of the depth that is no difference: half floats are as coarse
-  double history_depth = 10;      // differences up to so many times the slope are the same surface
-  double history_normal = 0.9;    // least n . n'
-  std::string antilag = "none";  // clip: history within mean +- clip_deviations of the new frame's 5x5 pixels
+  double alpha = 0.2;            // least share of the new frame in the colour
+  double alpha_moments = 0.2;    // and in the moments
+  int64_t longest_history = 32;  // frames
+  int64_t feedback = 0;          // the level whose output is the next frame's history; -1: before the first
+  double sigma_light = 4;        // in standard deviations
+  int64_t normal_squarings = 7;  // (n_p . n_q)^(2^7)
+  double sigma_depth = 1;        // in differences that the slope of the surface explains
+  std::string slope = "isotropic";  // the steeper direction counts for all; plane: each its own
+  double depth_tolerance = 0.01;    // share of the depth that is no difference
+  double history_depth = 10;        // differences up to so many times the slope are the same surface
+  double history_normal = 0.9;      // least n . n'
+  std::string antilag = "clip";     // history within mean +- clip_deviations of the 5x5 pixels now; none
   double clip_deviations = 1;
+  double antialias = 0.1;  // share of the new frame in the picture behind the filter; 1: no antialiasing
+  double antialias_deviations = 1;  // the history within mean +- so many deviations of the 3x3 pixels
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -85,6 +87,8 @@ struct SvgfSettings {
     v.field("history_normal", history_normal, {-1, 1});
     v.field("antilag", antilag, {"none", "clip"});
     v.field("clip_deviations", clip_deviations, {0, 1e6});
+    v.field("antialias", antialias, {0, 1});
+    v.field("antialias_deviations", antialias_deviations, {0, 1e6});
   }
 };
 

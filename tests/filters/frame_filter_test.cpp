@@ -261,7 +261,8 @@ TEST(FrameFilter, ACameraThatTurnsKeepsTheHistoryOfAWall) {
       if (told) frame.info.world_to_camera = world_to_camera(camera);
       state.advance(SequencePlace{0, f}, 12, 10);
       svgf.denoise(frame, state, 1);
-      EXPECT_EQ(std::any_cast<SvgfState&>(state.memory).length_row(5)[6], told ? float(f + 1) : 1.0F);
+      EXPECT_EQ(std::any_cast<TemporalState&>(state.memory).light.length_row(5)[6],
+                told ? float(f + 1) : 1.0F);
     }
   }
 }

@@ -35,6 +35,7 @@ bool same_bits(const RowPlanes& a, const RowPlanes& b) {
 SvgfSettings no_feedback() {
   SvgfSettings settings;
   settings.feedback = -1;
+  settings.antilag = "none";
   return settings;
 }
 
@@ -78,6 +79,7 @@ TEST(Svgf, TextureWithoutNoiseComesBackAsTheFirstFramesFade) {  // 2.9 a
   const RowPlanes light =
       filled(side, side, 3, [](int, int x, int y) { return (x / 3 + y / 3) % 2 == 0 ? 1.0F : 0.25F; });
   Sequence sequence;
+  sequence.settings.antilag = "none";
   double at_four = 0;
   for (int f = 1; f <= 70; ++f) {
     const RowPlanes out = sequence(flat_wall(side, side), light);
@@ -375,6 +377,7 @@ TEST(Svgf, IsTheEquationsInDoubleOnEveryInstructionSet) {  // 2.9 n
     for (const std::string slope : {"plane", "isotropic"})
       for (const int64_t feedback : {-1, 0, 1}) {
         ReferenceSvgf reference;
+        reference.settings.antilag = "none";
         reference.settings.slope = slope;
         reference.settings.feedback = feedback;
         ReferenceSvgfState state;

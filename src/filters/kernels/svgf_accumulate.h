@@ -1,15 +1,9 @@
 // One row of the temporal accumulation of Schied et al. 2017.
 #pragma once
 
-#include <cstdint>
+#include "filters/kernels/plane_view.h"
 
 namespace ld {
-
-/// Planes of a whole picture: that of row y begins at data[y * row_pitch + plane * pitch].
-struct PlaneView {
-  const float* data = nullptr;
-  int64_t row_pitch = 0, pitch = 0;
-};
 
 /// Which pixels of the previous frame show the surface of a pixel: id' = id, n . n' >= least_cosine,
 /// |z' - (z + flow_z)| <= depth_slopes max |slope| + depth_least.
