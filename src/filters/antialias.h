@@ -3,7 +3,7 @@
 // next frame; no filter of light mends that.
 #pragma once
 
-#include "filters/surfaces.h"
+#include "filters/kernels/surfaces.h"
 
 namespace ld {
 

@@ -98,11 +98,7 @@ void recombine(const RowPlanes& filtered, int planes, const Illumination& light,
 }
 
 Image image_of(const RowPlanes& picture, int threads) {
-  Image image;
-  image.width = picture.width();
-  image.height = picture.height();
-  image.channels = picture.planes();
-  image.pixels = zeros_in_large_pages(size_t(image.channels) * image.plane_size());
+  Image image(picture.width(), picture.height(), picture.planes());
   parallel_for(threads, image.height, [&](int64_t y, int) {
     for (int c = 0; c < image.channels; ++c)
       std::copy_n(picture.row(y, c), image.width, image.plane(c) + size_t(y) * size_t(image.width));
