@@ -25,15 +25,15 @@ inline void write_cycles_passes(const std::filesystem::path& path, int width, in
     values.resize(pixels);
     return values;
   };
-  const std::vector<CyclesNames> surfaces =
-      in_parts
-          ? std::vector<CyclesNames>{{"Diffuse Direct", "Diffuse Indirect", "Diffuse Color"},
-                                     {"Glossy Direct", "Glossy Indirect", "Glossy Color"},
-                                     {"Transmission Direct", "Transmission Indirect", "Transmission Color"}}
-          : std::vector<CyclesNames>{{"DiffDir", "DiffInd", "DiffCol"},
-                                     {"GlossDir", "GlossInd", "GlossCol"},
-                                     {"TransDir", "TransInd", "TransCol"}};
-  const std::string emission = in_parts ? "Emission" : "Emit", environment = in_parts ? "Environment" : "Env";
+  std::vector<CyclesNames> surfaces;
+  for (const std::string surface : {"Diffuse", "Glossy", "Transmission"}) {
+    const size_t letters = surface[0] == 'D' ? 4 : 5;  // Diff, Gloss, Trans
+    const std::string pass = in_parts ? surface + " " : surface.substr(0, letters);
+    surfaces.push_back({pass + (in_parts ? "Direct" : "Dir"), pass + (in_parts ? "Indirect" : "Ind"),
+                        pass + (in_parts ? "Color" : "Col")});
+  }
+  const std::vector<std::string> beside_surfaces = {in_parts ? "Emission" : "Emit",
+                                                    in_parts ? "Environment" : "Env"};
   for (const char c : {'R', 'G', 'B'}) {
     const std::string channel = std::string(".") + c;
     for (size_t p = 0; p < pixels; ++p) {
@@ -46,7 +46,7 @@ inline void write_cycles_passes(const std::filesystem::path& path, int width, in
         plane(surface.colour + channel)[p] = colour;
         sum += (double(direct) + double(indirect)) * double(colour);
       }
-      for (const std::string& name : {emission, environment}) {
+      for (const std::string& name : beside_surfaces) {
         const float value = random.uniform(0.0F, 1.0F) < 0.9F ? 0 : random.uniform(0.0F, 20.0F);
         plane(name + channel)[p] = value;
         sum += double(value);
@@ -65,8 +65,10 @@ inline void write_cycles_passes(const std::filesystem::path& path, int width, in
   std::map<std::string, TestPart> parts;
   for (const auto& [name, values] : planes) {
     const std::string part = in_parts ? name.substr(0, name.rfind('.')) : "";
-    parts.try_emplace(part, TestPart{part, window, {}});
-    parts.at(part).channels.emplace_back(
+    TestPart& held = parts[part];
+    held.name = part;
+    held.window = window;
+    held.channels.emplace_back(
         name, [&plane_values = values, width](int x, int y) { return plane_values[size_t(y * width + x)]; });
   }
   std::vector<TestPart> list;
