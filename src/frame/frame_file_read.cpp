@@ -87,7 +87,8 @@ std::set<std::string> coloured_layers(const ExrReader& exr, int part) {
     if (exr.has_channel(part, layer + ".G") && exr.has_channel(part, layer + ".B")) layers.insert(layer);
   }
   for (const Feature& feature : feature_schema())
-    if (feature.offset < kDirectOffset) layers.erase(feature.name);  // those behind are parts of the light, too
+    if (feature.offset < kDirectOffset)
+      layers.erase(feature.name);  // those behind are parts of the light, too
   return layers;
 }
 
@@ -150,6 +151,21 @@ void require_features(const ExrReader& exr, const std::vector<int>& parts,
     for (const int part : parts)
       for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
         exr.require_channel(part, feature.exr_channels[c], advice);
+  }
+}
+
+}  // namespace
+
+namespace {
+
+/// Direct light and others are features and parts at once; no channel is read twice.
+void copy_features_to_parts(Frame& frame) {
+  for (LightPart& part : frame.parts) {
+    if (!frame.holds(part.name)) continue;
+    const size_t floats = 3 * frame.plane_size();
+    for (int s = 0; s < frame.spp; ++s)
+      std::copy_n(frame.plane(s, find_feature(part.name).offset), floats,
+                  part.samples.begin() + static_cast<std::ptrdiff_t>(static_cast<size_t>(s) * floats));
   }
 }
 
@@ -240,7 +256,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
           {"A", frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(), frame.plane_size()});
     }
     for (size_t light = 0; light < frame.parts.size(); ++light)
-      for (int c = 0; c < 3; ++c) {
+      for (int c = 0; c < 3 && !frame.holds(frame.parts[light].name); ++c) {
         const std::string channel = frame.parts[light].name + "." + "RGB"[c];
         exr.require_channel(part, channel, "");
         planes.push_back({channel, frame.part_plane(light, s, c), frame.plane_size()});
@@ -261,6 +277,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
     faults.guides += found.guides;
     faults.parts += found.parts;
   });
+  copy_features_to_parts(frame);
   faults.clamped = frame.info.clamped;
   if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame, threads);
   return frame;

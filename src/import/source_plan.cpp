@@ -127,8 +127,8 @@ FoundChannels find_channels(const ExrReader& exr, const FileViews& views, const 
 
 std::vector<int> sample_numbers(const ExrReader& exr, const ImportMapping& mapping) {
   std::vector<int> numbers;
-  for (const auto& [number, channel] : radiance_of(exr, FileViews(exr, mapping.view), mapping)[0])
-    numbers.push_back(number);
+  const std::vector<FoundChannels> radiance = radiance_of(exr, FileViews(exr, mapping.view), mapping);
+  for (const auto& [number, channel] : radiance[0]) numbers.push_back(number);
   return numbers;
 }
 

@@ -59,6 +59,27 @@ TEST(LightPartFiles, FeaturesAndLayersThatSomeSamplesLackAreNoParts) {
   EXPECT_ERROR(read_also(folder / "frame.exr", {"albedo"}, faults), "there is none");
 }
 
+TEST(LightPartFiles, FeaturesThatAreLightArePartsToo) {
+  const TemporaryFolder folder;
+  Frame frame = random_frame(5, 3, 2);
+  for (const char* name : {"direct", "indirect", "emission"}) {
+    frame.features.emplace_back(name);
+    for (int s = 0; s < frame.spp; ++s)
+      std::fill_n(frame.plane(s, find_feature(name).offset), 3 * frame.plane_size(), 0.25F + float(s));
+  }
+  write_frame(folder / "frame.exr", frame);
+  Faults faults;
+  const Frame read = read_also(folder / "frame.exr", {"*direct"}, faults);
+  ASSERT_EQ(read.parts.size(), 2u);
+  EXPECT_EQ(read.parts[0].name, "direct");
+  for (int s = 0; s < frame.spp; ++s)
+    for (int c = 0; c < 3; ++c)
+      for (size_t p = 0; p < frame.plane_size(); ++p) {
+        ASSERT_EQ(read.part_plane(1, s, c)[p], 0.25F + float(s));
+        ASSERT_EQ(read.plane(s, kIndirectOffset + c)[p], 0.25F + float(s));
+      }
+}
+
 TEST(LightPartFiles, NamesOfFeaturesAndTwins) {
   const TemporaryFolder folder;
   for (const char* name : {"albedo", "diffuse", ""}) {
