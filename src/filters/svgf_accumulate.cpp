@@ -13,7 +13,8 @@ namespace ld {
 namespace {
 
 /// Least and most history of the pixels of a row: mean +- deviations of the surfaces' pixels among the 5x5
-/// around each, a pair of planes for each plane of the signals.
+/// around each, a pair of planes for each plane of the signals. The pixel's own value is always within, so
+/// that steady light of a small surface before a brighter one stays.
 class HistoryBounds {
  public:
   void fill(const Surfaces& surfaces, const RowPlanes& signals, int64_t y, float deviations) {
@@ -42,12 +43,13 @@ class HistoryBounds {
         }
       }
       float *const least = bounds_.data() + 2 * p * pitch, *const most = least + pitch;
+      const float* const own = signals.row(y, p);
       for (int x = 0; x < width; ++x) {
         const auto five = [x](const float* a) { return a[x - 2] + a[x - 1] + a[x] + a[x + 1] + a[x + 2]; };
         const float share = 1 / std::max(five(counts), 1.0F), mean = five(sums) * share;
         const float reach = deviations * std::sqrt(std::max(five(squares) * share - mean * mean, 0.0F));
-        least[x] = mean - reach;
-        most[x] = mean + reach;
+        least[x] = std::min(mean - reach, own[x]);
+        most[x] = std::max(mean + reach, own[x]);
       }
     }
   }

@@ -167,7 +167,7 @@ class QuantisedFile : public ::testing::Test {
   template <class Change>
   std::string error_of(const Change& change) const {
     write_new_file(folder_ / "bad.safetensors", changed(change));
-    return error_text([&] { read_network(folder_ / "bad.safetensors"); });
+    return error_text([&] { read_network_weights(folder_ / "bad.safetensors"); });
   }
 
   TemporaryFolder folder_;
@@ -175,9 +175,9 @@ class QuantisedFile : public ::testing::Test {
 
 TEST_F(QuantisedFile, ReadsBackAsWrittenAndSaysWhatWasMeasured) {
   const QuantisedResult result = exported();
-  const NetworkWeights read = read_network(path());
+  const NetworkWeights read = read_network_weights(path());
   const Frame frame = random_frame(16, 16, 2, 3);  // the validation frame
-  EXPECT_NE(run(read, frame).pixels, run(read_network(folder_ / "f32.safetensors"), frame).pixels);
+  EXPECT_NE(run(read, frame).pixels, run(read_network_weights(folder_ / "f32.safetensors"), frame).pixels);
   const SafetensorsFile file(path());
   EXPECT_EQ(file.tensor("unet.context.weight").type, DType::i8);
   EXPECT_EQ(file.tensor("unet.context.weight.scale").type, DType::f32);
@@ -234,7 +234,7 @@ TEST_F(QuantisedFile, AnyDamageIsReadOrGivesOneLine) {
   run_trials(600, [&](uint32_t number, RandomStream& random) {
     write_new_file(fuzzed, damaged_weights(good, number, random));
     try {
-      const NetworkWeights network = read_network(fuzzed);
+      const NetworkWeights network = read_network_weights(fuzzed);
       Execution(network.graph, network.weights, {1, 3, 3});
     } catch (const Error& error) {
       ++errors;

@@ -33,7 +33,7 @@ class FilterJob : public ::testing::Test {
   DenoiseJob job(const std::string& kind, const std::string& input, const std::string& output) const {
     DenoiseJob made;
     made.filter = FilterArgument{kind, kind, {}};
-    made.tasks = plan_sequence({path(input)}, path(output), std::nullopt, false);
+    made.tasks = plan_tasks({path(input)}, path(output), std::nullopt, false);
     made.full_float = true;
     made.threads = 1;
     return made;
