@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Speed beside Open Image Denoise, from the same arrays in memory, in turns:
 #
-#   scripts/speed.sh [OPTIONS]
+#   scripts/speed.sh [--json FILE] [OPTIONS]
 #
 # Installs both (scripts/peers/setup.sh: 1.4 GB from PyPI on first use; the Python package is built anew), renders a frame of 1920x1080 pixels
 # with 8 samples into out/speed/ where there is none, and prints a table. The options are those of scripts/peers/speed.py, which says what is

@@ -5,7 +5,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADERS = ["src/training/run/config.h", "models/network_config.h", "src/render/recipe/recipe.h", "src/render/file/scene_file_config.h",
-           "src/render/random/random_scene.h", "src/import/mapping.h", "src/import/view_camera.cpp"]
+           "src/render/recipe/sequence_config.h", "src/render/random/random_scene.h", "src/import/mapping.h", "src/import/view_camera.cpp",
+           "src/filters/settings.h"]
 
 
 class Struct:

@@ -61,7 +61,10 @@ TEST(LightPartFiles, FeaturesAndLayersThatSomeSamplesLackAreNoParts) {
 
 TEST(LightPartFiles, FeaturesThatAreLightArePartsToo) {
   const TemporaryFolder folder;
-  Frame frame = random_frame(5, 3, 2);
+  const Frame plain = random_frame(5, 3, 2);
+  Frame frame(5, 3, 2, kAllChannels);
+  for (int s = 0; s < frame.spp; ++s)
+    std::copy_n(plain.plane(s, 0), size_t(kSampleChannels) * plain.plane_size(), frame.plane(s, 0));
   for (const char* name : {"direct", "indirect", "emission"}) {
     frame.features.emplace_back(name);
     for (int s = 0; s < frame.spp; ++s)
