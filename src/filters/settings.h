@@ -10,7 +10,7 @@ namespace ld {
 
 /// What both filters do before and after: S = (C - E) / A, the light without the surface's colour.
 struct IlluminationSettings {
-  bool demodulate = true;
+  bool demodulate = true;         // filter light without the colour of surfaces: textures stay
   bool split = true;              // direct and indirect light apart, where a frame tells them
   std::string compress = "none";  // reinhard: c / (1 + c), less bright outliers, darker highlights
   double firefly_bound = 0;       // times the mean luminance of the eight pixels around; 0: any
@@ -27,7 +27,7 @@ struct IlluminationSettings {
 /// Dammertz et al. 2010.
 struct EawSettings {
   IlluminationSettings light;
-  int64_t levels = 5;
+  int64_t levels = 5;              // à-trous passes, each of twice the reach of the one before
   std::string kernel = "b3";       // gauss: deviation 1
   std::string range = "colour";    // luminance: |d| is the difference of luminances
   std::string place = "position";  // depth: |X_p - X_q| is the difference of depths
@@ -53,7 +53,7 @@ struct EawSettings {
 /// Schied et al. 2017.
 struct SvgfSettings {
   IlluminationSettings light;
-  int64_t levels = 5;
+  int64_t levels = 5;            // à-trous passes, each of twice the reach of the one before
   double alpha = 0.2;            // least share of the new frame in the colour
   double alpha_moments = 0.2;    // and in the moments
   int64_t longest_history = 32;  // frames
@@ -66,7 +66,7 @@ struct SvgfSettings {
   double history_depth = 10;        // differences up to so many times the slope are the same surface
   double history_normal = 0.9;      // least n . n'
   std::string antilag = "clip";     // history within mean +- clip_deviations of the 5x5 pixels now; none
-  double clip_deviations = 1;
+  double clip_deviations = 1;       // of antilag
   double antialias = 0.1;  // share of the new frame in the picture behind the filter; 1: no antialiasing
   double antialias_deviations = 1;  // the history within mean +- so many deviations of the 3x3 pixels
 
