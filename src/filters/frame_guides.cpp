@@ -7,25 +7,12 @@
 
 #include "frame/picture_place.h"
 #include "runtime/parallel.h"
+#include "sequence/surface_guides.h"
 
 namespace ld {
 namespace {
 
 using Vector3 = std::array<float, 3>;
-
-/// View space to world space, row by row; none: they are the same.
-std::optional<std::array<float, 9>> view_to_world(const FrameInfo& info) {
-  if (!info.world_to_camera) return std::nullopt;
-  const Matrix4 m = camera_to_world(*info.world_to_camera);
-  std::array<float, 9> turn{};
-  for (size_t column = 0; column < 3; ++column) {
-    const float length =
-        std::sqrt(m[column] * m[column] + m[4 + column] * m[4 + column] + m[8 + column] * m[8 + column]);
-    if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
-    for (size_t row = 0; row < 3; ++row) turn[3 * row + column] = m[4 * row + column] / length;
-  }
-  return turn;
-}
 
 /// Where the ray through a pixel's middle crosses the plane at depth 1 of view space: x = left + right_step
 /// (column), y = top + down_step (row).
@@ -88,29 +75,10 @@ class GuideReader {
   bool has_position() const { return rays_ && has_depth_; }
   bool has_flow() const { return has_flow_; }
 
-  /// -1 where no sample was drawn.
-  int representative(size_t pixel) const {
-    if (frame_.spp == 1) return frame_.valid[pixel] != 0 ? 0 : -1;
-    std::array<std::pair<float, int>, 64> few;
-    std::vector<std::pair<float, int>> many;
-    std::pair<float, int>* found = few.data();
-    if (frame_.spp > int(few.size())) {
-      many.resize(size_t(frame_.spp));
-      found = many.data();
-    }
-    int count = 0;
-    for (int s = 0; s < frame_.spp; ++s)
-      if (frame_.valid_plane(s)[pixel] != 0)
-        found[count++] = {has_depth_ ? frame_.plane(s, kDepthOffset)[pixel] : 0.0F, s};
-    if (count == 0) return -1;
-    std::nth_element(found, found + (count - 1) / 2, found + count);
-    return found[(count - 1) / 2].second;
-  }
-
   void read_surfaces(int64_t y, Surfaces& surfaces) const {
     for (int x = 0; x < frame_.width; ++x) {
       const size_t pixel = size_t(y) * size_t(frame_.width) + size_t(x);
-      const int s = representative(pixel);
+      const int s = representative_sample(frame_, pixel);
       const auto value = [&](int channel) { return frame_.plane(s, channel)[pixel]; };
       const float depth = s < 0 ? kEscapedDepth : has_depth_ ? value(kDepthOffset) : 1.0F;
       const bool is_surface = depth < kEscapedDepth;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/config_visitor.h"
+#include "sequence/reprojection.h"
 
 namespace ld {
 
@@ -63,10 +64,11 @@ struct SvgfSettings {
   double sigma_depth = 1;        // in differences that the slope of the surface explains
   std::string slope = "isotropic";  // the steeper direction counts for all; plane: each its own
   double depth_tolerance = 0.01;    // share of the depth that is no difference
-  double history_depth = 10;        // differences up to so many times the slope are the same surface
-  double history_normal = 0.9;      // least n . n'
-  std::string antilag = "clip";     // history within mean +- clip_deviations of the 5x5 pixels now; none
-  double clip_deviations = 1;       // of antilag
+  double history_depth =
+      kReprojectionDepth;  // differences up to so many times the slope are the same surface
+  double history_normal = kReprojectionNormal;  // least n . n'
+  std::string antilag = "clip";  // history within mean +- clip_deviations of the 5x5 pixels now; none
+  double clip_deviations = 1;    // of antilag
   double antialias = 0.1;  // share of the new frame in the picture behind the filter; 1: no antialiasing
   double antialias_deviations = 1;  // the history within mean +- so many deviations of the 3x3 pixels
 

@@ -163,7 +163,8 @@ void accumulate(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlan
     row.surfaces_before = view_of(previous.surfaces.of);
     row.light_before = view_of(previous.light);
     row.moments_before = view_of(previous.moments);
-    row.test = {float(settings.history_depth), float(settings.history_depth) * 0.01F * surfaces.unit,
+    row.test = {float(settings.history_depth),
+                float(settings.history_depth) * (10 * kReprojectionDepthFloor) * surfaces.unit,
                 float(settings.history_normal)};
     row.blend = {float(settings.alpha), float(settings.alpha_moments), float(settings.longest_history)};
     HistoryBounds bounds;

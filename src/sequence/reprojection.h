@@ -13,7 +13,7 @@ namespace ld {
 
 /// Depth of the surface that a pixel shows, in scene units along the view axis, its unit normal, and a number
 /// for its object and material. Where a frame knows no normals or numbers, all have the same.
-struct Surface {
+struct SeenSurface {
   float depth = 0;
   float nx = 0, ny = 0, nz = 1;
   float id = 0;
@@ -24,7 +24,7 @@ struct Surface {
 constexpr float kReprojectionDepth = 10;
 constexpr float kReprojectionDepthFloor = 1e-3F;
 /// The least cosine between the normals.
-constexpr float kReprojectionNormal = 0.9F;
+constexpr double kReprojectionNormal = 0.9;
 /// Bilinear weights of the taps that pass must sum to this, or the pixel has no past.
 constexpr float kReprojectionWeight = 0.01F;
 
@@ -36,10 +36,11 @@ inline float depth_tolerance(float slope, float depth_scale) {
 
 /// Whether `before`, in the previous frame, is the surface `now`, whose depth was `expected_depth` then. Both
 /// normals in the same space. False for anything that is NaN.
-inline bool is_same_surface(const Surface& now, float expected_depth, float tolerance,
-                            const Surface& before) {
+inline bool is_same_surface(const SeenSurface& now, float expected_depth, float tolerance,
+                            const SeenSurface& before) {
   return std::abs(before.depth - expected_depth) <= tolerance && before.id == now.id &&
-         now.nx * before.nx + now.ny * before.ny + now.nz * before.nz >= kReprojectionNormal;
+         now.nx * before.nx + now.ny * before.ny + now.nz * before.nz >=
+             static_cast<float>(kReprojectionNormal);
 }
 
 /// The larger of |dz/dx| and |dz/dy| at a pixel of a plane, in scene units a pixel: one-sided differences, in

@@ -7,19 +7,6 @@
 namespace ld {
 namespace {
 
-/// The sample that stands for a pixel; -1 where none is valid.
-int representative_sample(const Frame& frame, bool has_depth, size_t pixel,
-                          std::vector<std::pair<float, int>>& depths) {
-  depths.clear();
-  for (int s = 0; s < frame.spp; ++s)
-    if (frame.valid_plane(s)[pixel] != 0)
-      depths.emplace_back(has_depth ? frame.plane(s, kDepthOffset)[pixel] : 1.0F, s);
-  if (depths.empty()) return -1;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((depths.size() - 1) / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return middle->second;
-}
-
 /// First channel of a feature that the frame holds; -1.
 int held_channel(const Frame& frame, const std::string& feature) {
   return frame.holds(feature) ? find_feature(feature).offset : -1;
@@ -35,13 +22,13 @@ class SameSurface {
     expected_depth_ = surface_.depth + now.flow_z[now.index(x, y)];
   }
   bool operator()(int x, int y) const {
-    const Surface& past = before_.surface[before_.index(x, y)];
+    const SeenSurface& past = before_.surface[before_.index(x, y)];
     return past.depth < kEscapedDepth && is_same_surface(surface_, expected_depth_, tolerance_, past);
   }
 
  private:
   const SurfaceGuides& before_;
-  const Surface& surface_;
+  const SeenSurface& surface_;
   float tolerance_, expected_depth_;
 };
 
@@ -74,6 +61,38 @@ Reprojection reproject_pixel(const SurfaceGuides& now, const SurfaceGuides& befo
 
 }  // namespace
 
+int representative_sample(const Frame& frame, size_t pixel) {
+  if (frame.spp == 1) return frame.valid[pixel] != 0 ? 0 : -1;
+  const bool has_depth = frame.holds("depth");
+  std::array<std::pair<float, int>, 64> few;
+  std::vector<std::pair<float, int>> many;
+  std::pair<float, int>* found = few.data();
+  if (frame.spp > static_cast<int>(few.size())) {
+    many.resize(static_cast<size_t>(frame.spp));
+    found = many.data();
+  }
+  int count = 0;
+  for (int s = 0; s < frame.spp; ++s)
+    if (frame.valid_plane(s)[pixel] != 0)
+      found[count++] = {has_depth ? frame.plane(s, kDepthOffset)[pixel] : 0.0F, s};
+  if (count == 0) return -1;
+  std::nth_element(found, found + (count - 1) / 2, found + count);
+  return found[(count - 1) / 2].second;
+}
+
+std::optional<std::array<float, 9>> view_to_world(const FrameInfo& info) {
+  if (!info.world_to_camera) return std::nullopt;
+  const Matrix4 m = camera_to_world(*info.world_to_camera);
+  std::array<float, 9> turn{};
+  for (size_t column = 0; column < 3; ++column) {
+    const float length =
+        std::sqrt(m[column] * m[column] + m[4 + column] * m[4 + column] + m[8 + column] * m[8 + column]);
+    if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+    for (size_t row = 0; row < 3; ++row) turn[3 * row + column] = m[4 * row + column] / length;
+  }
+  return turn;
+}
+
 SurfaceGuides surface_guides(const Frame& frame) {
   SurfaceGuides guides;
   guides.width = frame.width;
@@ -87,18 +106,24 @@ SurfaceGuides surface_guides(const Frame& frame) {
   const int depth = held_channel(frame, "depth"), normal = held_channel(frame, "normal"),
             flow = held_channel(frame, "flow"), flow_depth = held_channel(frame, "flow_depth"),
             id = held_channel(frame, "id");
-  std::vector<std::pair<float, int>> depths;
+  const auto turn = view_to_world(frame.info);
   for (size_t p = 0; p < count; ++p) {
-    Surface& surface = guides.surface[p];
+    SeenSurface& surface = guides.surface[p];
     surface.depth = kEscapedDepth;
-    const int s = representative_sample(frame, depth >= 0, p, depths);
+    const int s = representative_sample(frame, p);
     if (s < 0) continue;
     surface.depth = depth >= 0 ? frame.plane(s, depth)[p] : 1.0F;
     guides.depth[p] = surface.depth;
     if (normal >= 0) {
-      surface.nx = frame.plane(s, normal)[p];
-      surface.ny = frame.plane(s, normal + 1)[p];
-      surface.nz = frame.plane(s, normal + 2)[p];
+      const std::array<float, 3> n = {frame.plane(s, normal)[p], frame.plane(s, normal + 1)[p],
+                                      frame.plane(s, normal + 2)[p]};
+      const auto along = [&](size_t row) {
+        if (!turn) return n[row];
+        return (*turn)[3 * row] * n[0] + (*turn)[3 * row + 1] * n[1] + (*turn)[3 * row + 2] * n[2];
+      };
+      surface.nx = along(0);
+      surface.ny = along(1);
+      surface.nz = along(2);
     }
     if (id >= 0) surface.id = frame.plane(s, id)[p];
     if (flow_depth >= 0) guides.flow_z[p] = frame.plane(s, flow_depth)[p];

@@ -2,7 +2,9 @@
 // compare between frames.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "frame/frame.h"
@@ -10,13 +12,20 @@
 
 namespace ld {
 
-/// Planes [height, width]. Each pixel's surface is that of one sample, so that its numbers belong together:
-/// the one of the lower median depth among the pixel's valid samples, the first of equals. kEscapedDepth
-/// where that ray escaped or no sample is valid.
+/// The sample that stands for a pixel: of those that are valid the one of the lower median depth, the first
+/// of equals; -1 where there is none.
+int representative_sample(const Frame& frame, size_t pixel);
+
+/// Turns directions of view space into the world, row by row, so that frames of a moving camera compare;
+/// none where the frame does not say where its camera stood.
+std::optional<std::array<float, 9>> view_to_world(const FrameInfo& info);
+
+/// Planes [height, width]. Each pixel's surface is that of its representative sample, so that its numbers
+/// belong together. kEscapedDepth where that ray escaped or no sample is valid.
 struct SurfaceGuides {
   int width = 0, height = 0;
   float depth_scale = 1;
-  std::vector<Surface> surface;
+  std::vector<SeenSurface> surface;
   std::vector<float> depth, flow_x, flow_y;
   std::vector<float> flow_z;  // previous depth of the surface less its present one
   bool has_flow = false;      // without, nothing is known of the frame before

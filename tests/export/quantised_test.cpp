@@ -11,6 +11,7 @@
 #include "models/graphs/network_graph.h"
 #include "ops/kernels/instruction_sets.h"
 #include "runtime/executor.h"
+#include "tests/models/small_config.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_dataset.h"
@@ -21,17 +22,8 @@ namespace ld {
 namespace {
 
 NetworkConfig tiny_config(const std::string& name) {
-  NetworkConfig config;
+  NetworkConfig config = small_config();
   config.name = name;
-  config.features = {"radiance", "normal", "depth"};
-  config.kernel_size = 3;
-  config.sample_reducer = {6, 5};
-  config.sample_partitioner = {6};
-  config.kernel_generator = {8};
-  config.unet.encoder = {{4, 5}, {6}};
-  config.unet.bottleneck = {7};
-  config.unet.decoder = {{6}, {5, 4}};
-  config.unet.context = 3;
   return config;
 }
 
@@ -39,8 +31,7 @@ NetworkWeights random_network(const std::string& name) {
   NetworkWeights network = {tiny_config(name), network_graph(tiny_config(name)), {}};
   RandomStream random(3, RandomPurpose::test);
   for (const graph::Parameter& parameter : graph::parameters(network.graph)) {
-    int64_t count = 1;
-    for (const int64_t size : parameter.shape) count *= size;
+    const int64_t count = graph::count_of(parameter);
     NamedWeight weight = {parameter.shape, {}};
     for (int64_t i = 0; i < count; ++i) weight.values.push_back(random.uniform(-0.5F, 0.5F));
     network.weights.add(parameter.name, std::move(weight));

@@ -29,7 +29,7 @@ SurfaceGuides facing_wall(int width, int height, float flow_x = 0) {
   guides.height = height;
   guides.has_flow = true;
   const size_t count = size_t(width) * size_t(height);
-  guides.surface.assign(count, Surface{1, 0, 0, 1, 0});
+  guides.surface.assign(count, SeenSurface{1, 0, 0, 1, 0});
   guides.depth.assign(count, 1);
   guides.flow_x.assign(count, flow_x);
   guides.flow_y.assign(count, 0);

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "frame/frame_file.h"
+#include "tests/support/expect_error.h"
 
 namespace ld {
 namespace {
@@ -46,15 +47,6 @@ Image grey(int width, int height, float value) {
   return image;
 }
 
-std::string error_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST_F(MovieFile, WithoutFfmpegThePicturesAreWritten) {
   const auto picture = [](size_t i) { return grey(5, 3, 0.1F * static_cast<float>(i)); };
   const fs::path written = write_movie(folder_ / "shot.mp4", 24, 3, picture);
@@ -83,21 +75,23 @@ TEST_F(MovieFile, AnFfmpegThatFailsLeavesNothingAndIsQuoted) {
   make_ffmpeg("echo 'Unknown encoder' >&2; exit 3");
   // More than a socket holds, so that writing meets the end of the program.
   const std::string error =
-      error_of([&] { write_movie(folder_ / "x.mp4", 24, 4, [](size_t) { return grey(900, 700, 1); }); });
+      error_text([&] { write_movie(folder_ / "x.mp4", 24, 4, [](size_t) { return grey(900, 700, 1); }); });
   EXPECT_NE(error.find("ended with code 3: Unknown encoder"), std::string::npos) << error;
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "only bin/";
 }
 
 TEST_F(MovieFile, OtherNamesAndSizesAreErrors) {
   const auto picture = [](size_t i) { return grey(i == 2 ? 4 : 5, 3, 0); };
-  EXPECT_NE(error_of([&] { write_movie(folder_ / "x.avi", 24, 1, picture); }).find("expected .mp4 or .webm"),
-            std::string::npos);
-  EXPECT_NE(error_of([&] { write_movie(folder_ / "x.mp4", 24, 0, picture); }).find("no pictures"),
+  EXPECT_NE(
+      error_text([&] { write_movie(folder_ / "x.avi", 24, 1, picture); }).find("expected .mp4 or .webm"),
+      std::string::npos);
+  EXPECT_NE(error_text([&] { write_movie(folder_ / "x.mp4", 24, 0, picture); }).find("no pictures"),
             std::string::npos);
   make_ffmpeg("cat > /dev/null");
-  EXPECT_NE(
-      error_of([&] { write_movie(folder_ / "x.mp4", 24, 3, picture); }).find("picture 2 of the film is 4x3"),
-      std::string::npos);
+  EXPECT_NE(error_text([&] {
+              write_movie(folder_ / "x.mp4", 24, 3, picture);
+            }).find("picture 2 of the film is 4x3"),
+            std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "x.mp4"));
 }
 

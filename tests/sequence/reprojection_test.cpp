@@ -20,7 +20,7 @@ SurfaceGuides wall(int width, int height, float depth, float flow_x = 0, float f
   guides.depth_scale = depth;
   guides.has_flow = true;
   const size_t count = size_t(width) * size_t(height);
-  guides.surface.assign(count, Surface{depth, 0, 0, 1, 0});
+  guides.surface.assign(count, SeenSurface{depth, 0, 0, 1, 0});
   guides.depth.assign(count, depth);
   guides.flow_x.assign(count, flow_x);
   guides.flow_y.assign(count, flow_y);
@@ -29,7 +29,7 @@ SurfaceGuides wall(int width, int height, float depth, float flow_x = 0, float f
 }
 
 TEST(Reprojection, ConstantsAndSigns) {
-  const Surface now{10, 0, 0, 1, 3};
+  const SeenSurface now{10, 0, 0, 1, 3};
   const float tolerance = depth_tolerance(0, 10);
   EXPECT_FLOAT_EQ(tolerance, 0.1F);
   EXPECT_TRUE(is_same_surface(now, 10, tolerance, {10.09F, 0, 0, 1, 3}));
@@ -41,7 +41,7 @@ TEST(Reprojection, ConstantsAndSigns) {
 }
 
 TEST(Reprojection, WhatIsNotANumberIsAnotherSurface) {
-  const Surface now{10, 0, 0, 1, 0};
+  const SeenSurface now{10, 0, 0, 1, 0};
   for (const float bad : {kNan, kInfinity, -kInfinity, 3e38F}) {
     EXPECT_FALSE(is_same_surface(now, 10, 1, {bad, 0, 0, 1, 0}));
     EXPECT_FALSE(is_same_surface(now, bad, 1, now));
@@ -98,7 +98,7 @@ TEST(Reprojection, AnEdgeThatFlickersIsSeenBesideIt) {
   const Reprojection found = reproject(now, before)[now.index(2, 1)];
   EXPECT_FALSE(found.valid);
   EXPECT_EQ(found.seen_at, int64_t(before.index(1, 0)));
-  before.surface.assign(18, Surface{4, 0, 0, 1, 9});
+  before.surface.assign(18, SeenSurface{4, 0, 0, 1, 9});
   EXPECT_EQ(reproject(now, before)[now.index(2, 1)].seen_at, -1);
   for (const float far : {kNan, kInfinity, -3e38F, 100.0F}) {
     now.flow_x.assign(18, far);
