@@ -89,10 +89,10 @@ void check_network(const NetworkConfig& config) {
   check_choice("demodulation", config.demodulation, {"none", "albedo"});
   check_choice("initialisation", config.initialisation, {"xavier", "he"});
   if (config.features.empty())
-    fail_usage("network.features is empty, expected some of {}", fmt::join(feature_names(), ", "));
+    fail_usage("network.features is empty, expected some of {}", fmt::join(auto_feature_names(), ", "));
   std::set<std::string> seen;
   for (const std::string& feature : config.features)
-    if (find_feature(feature); !seen.insert(feature).second)
+    if (require_network_feature(feature); !seen.insert(feature).second)
       fail_usage("network.features names '{}' twice, expected each feature once", feature);
   for (const std::string& feature : config.optional)
     if (!config.auto_features() && seen.count(feature) == 0)

@@ -6,7 +6,6 @@
 
 #include <vector>
 
-#include "models/parameters.h"
 #include "ops/fully_connected.h"
 
 namespace ld {
@@ -30,8 +29,8 @@ class FullyConnected : public torch::nn::Module {
     for (size_t i = 0; i + 1 < widths.size(); ++i) {
       auto layer = register_module(std::to_string(i), std::make_shared<torch::nn::Module>());
       weights_.weights.push_back(
-          layer->register_parameter("weight", new_parameter({widths[i + 1], widths[i]})));
-      weights_.biases.push_back(layer->register_parameter("bias", new_parameter({widths[i + 1]})));
+          layer->register_parameter("weight", torch::zeros({widths[i + 1], widths[i]})));
+      weights_.biases.push_back(layer->register_parameter("bias", torch::zeros({widths[i + 1]})));
     }
   }
 

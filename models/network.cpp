@@ -2,7 +2,6 @@
 
 #include "models/demodulation.h"
 #include "models/exposure.h"
-#include "models/parameters.h"
 #include "models/pixel_mean.h"
 
 namespace ld {
@@ -38,17 +37,6 @@ torch::Tensor Network::forward(NetworkInput input) {
 
 Kernels Network::kernels(NetworkInput input) {
   return make_kernels(admit(std::move(input)));
-}
-
-std::shared_ptr<Network> make_network_shapes(const NetworkConfig& config) {
-  const ShapesOnly no_memory;
-  return make_network(config);
-}
-
-int64_t parameter_count(const Network& network) {
-  int64_t count = 0;
-  for (const torch::Tensor& parameter : network.parameters()) count += parameter.numel();
-  return count;
 }
 
 }  // namespace ld

@@ -69,10 +69,4 @@ class Network : public torch::nn::Module {
 /// initialise() (models/initialise.h) or a weight file fills them.
 std::shared_ptr<Network> make_network(const NetworkConfig& config);
 
-/// The same without the memory of its weights (models/parameters.h): its parameters have names and shapes.
-std::shared_ptr<Network> make_network_shapes(const NetworkConfig& config);
-
-/// How many numbers the parameters of a network are.
-int64_t parameter_count(const Network& network);
-
 }  // namespace ld

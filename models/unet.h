@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "models/network_config.h"
-#include "models/parameters.h"
 
 namespace ld {
 
@@ -17,8 +16,8 @@ namespace ld {
 class Convolution : public torch::nn::Module {
  public:
   Convolution(int64_t inputs, int64_t outputs)
-      : weight_(register_parameter("weight", new_parameter({outputs, inputs, 3, 3}))),
-        bias_(register_parameter("bias", new_parameter({outputs}))) {}
+      : weight_(register_parameter("weight", torch::zeros({outputs, inputs, 3, 3}))),
+        bias_(register_parameter("bias", torch::zeros({outputs}))) {}
 
   torch::Tensor forward(const torch::Tensor& x) {
     return at::conv2d(x, weight_, bias_, /*stride=*/1, /*padding=*/1);

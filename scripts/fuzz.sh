@@ -62,7 +62,7 @@ for target in "${targets[@]}"; do
   for seed in $(seeds "$target"); do cp "$seed" "out/fuzz/$target/seed_$(sha1sum < "$seed" | cut -c1-12)"; done
   echo "== $target: $(find "out/fuzz/$target" -type f | wc -l) inputs, $minutes minutes"
   # Assimp, which glTF goes through, and HDF5 forget some of what they have read of a damaged file. HDF5 also faults, which ld_import
-  # survives (core/child_process.h): the fuzzer goes on after each fault, and below only those count that are not the library's.
+  # survives (core/process/child_process.h): the fuzzer goes on after each fault, and below only those count that are not the library's.
   # HDF5 asks for as much memory as such a file says, and does without.
   leaks=$([ "$target" = gltf ] || [ "$target" = hdf5 ] && echo 0 || echo 1)
   export ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=$leaks

@@ -22,7 +22,6 @@ shift
 [ -x $python ] || { echo "results.sh: found no $python; run scripts/peers/setup.sh" >&2; exit 1; }
 models=()
 for model in ${MODELS:-models/pretrained/*.safetensors}; do models+=(--model "$(basename "$model" .safetensors)=$model"); done
-export OMP_WAIT_POLICY=passive
 
 for set in "$@"; do
   name=${set%%=*} data=${set#*=}

@@ -24,6 +24,7 @@ test_packages=(
   assimp-testmodels          # scenes that the tests read
   python3-skimage            # computes SSIM and PSNR once more
   chromium chromium-driver python3-selenium  # open the report
+  ffmpeg                     # writes films
 )
 tests=ON
 for argument in "$@"; do

@@ -8,7 +8,6 @@ if [ $# -ne 2 ]; then
   exit 2
 fi
 data=$1 out=$2 bin=${BIN:-build/bin} jobs=${JOBS:-1}
-export OMP_WAIT_POLICY=passive
 
 train_now() { # RUN WORDS...
   local run=$out/runs/$1

@@ -53,12 +53,10 @@ step "6/9 Event files in TensorBoard's own reader"
 "$python" scripts/peers/read_tensorboard.py $out/blender.run
 step "7/9 The Blender extension: installed, a still, an animation, cancelled"
 "$python" scripts/peers/check_blender_extension.py --program build/bin/ld_denoise --out $out/extension | tail -n 1
-step "8/9 The Python package: built by pip, its tests, and the example of its page"
-. scripts/packages.sh
-header=$("$python" -c 'import sysconfig; print(sysconfig.get_path("include") + "/Python.h")')
-[ -e "$header" ] || install_missing peers python3-dev
-"$python" -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
+step "8/9 The Python package: built by pip, its tests, the example of its page, and its speed beside Open Image Denoise"
+scripts/peers/python_package.sh
 "$python" -B -m unittest discover python/tests
+"$python" scripts/peers/speed.py --frame "$(ls $out/blender/*.exr | grep -v reference | head -n 1)" --sizes 24x40,64x64 --repeats 2 --json $out/speed.json
 step "9/9 Two processes by mpirun, Slurm and torchrun: their bits, and what is left when one is killed"
 scripts/peers/launchers.sh
 step "Done: data sets, comparisons, ONNX, Open Image Denoise, TensorBoard, the extension, the Python package and the launchers passed"

@@ -3,9 +3,9 @@
 
 namespace ld {
 
-graph::Graph layer_graph(const NetworkConfig& config) {
+graph::Graph layer_graph(const NetworkConfig& config, const graph::LightParts& parts) {
   graph::Graph graph;
-  const LayeredGraph made = add_layers(graph, config);
+  const LayeredGraph made = add_layers(graph, config, parts);
   const graph::ValueId context = made.features[0];
   const graph::ValueId picture =
       add_filter_and_composite(graph, config, "kernel_generator", made.layers, context);
@@ -15,7 +15,7 @@ graph::Graph layer_graph(const NetworkConfig& config) {
 
 graph::Graph layer_views_graph(const NetworkConfig& config) {
   graph::Graph graph;
-  const LayeredGraph made = add_layers(graph, config, /*demodulate=*/false);
+  const LayeredGraph made = add_layers(graph, config);
   const GraphLayers& layers = made.layers;
   const std::vector<graph::ValueId> sources = {layers.embedding, made.features[0], layers.log_n};
   const auto filter = [&](bool joint, const char* name, std::vector<graph::ValueId> values) {
@@ -27,18 +27,20 @@ graph::Graph layer_views_graph(const NetworkConfig& config) {
   graph.output = layers.radiance;
   if (layers.transmittance) {
     graph.further = {filter(false, "filtered", {layers.radiance, layers.opacity, *layers.transmittance})};
-    return graph;
+  } else {
+    const graph::ValueId belongs =
+        graph.add(graph::LayerIdentity{}, {}, {"belongs", graph::Items::layers, config.layers});
+    graph.further = {filter(false, "filtered", {layers.radiance, layers.opacity}),
+                     filter(true, "shares", {belongs})};
   }
-  const graph::ValueId belongs =
-      graph.add(graph::LayerIdentity{}, {}, {"belongs", graph::Items::layers, config.layers});
-  graph.further = {filter(false, "filtered", {layers.radiance, layers.opacity}),
-                   filter(true, "shares", {belongs})};
+  if (made.modulators)
+    graph.further.push_back(add_modulation_factors(graph, *made.modulators, made.features[0]));
   return graph;
 }
 
 graph::Graph layer_sources_graph(const NetworkConfig& config) {
   graph::Graph graph;
-  const LayeredGraph made = add_layers(graph, config, /*demodulate=*/false);
+  const LayeredGraph made = add_plain_layers(graph, config);
   graph.output = made.layers.log_n;
   graph.further = {made.layers.embedding, made.features[0]};
   return graph;

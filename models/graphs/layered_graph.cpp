@@ -20,6 +20,7 @@ GraphLayers add_partition(Graph& graph, const NetworkConfig& config, const Graph
   GraphLayers layers{};
   layers.log_n = value("log_n", 1);
   layers.radiance = value("layer_radiance", graph[input.radiance].channels);
+  graph.values[layers.radiance].parts = graph[input.radiance].parts;
   layers.opacity = value("opacity", 1);
   layers.embedding = value("layer_embedding", graph[embedding].channels);
   std::vector<ValueId> outputs = {layers.log_n, layers.radiance, layers.opacity, layers.embedding};
@@ -28,12 +29,9 @@ GraphLayers add_partition(Graph& graph, const NetworkConfig& config, const Graph
   return layers;
 }
 
-}  // namespace
-
-LayeredGraph add_layers(Graph& graph, const NetworkConfig& config, bool demodulate) {
+LayeredGraph add_layers_of(Graph& graph, const NetworkConfig& config, GraphInput input, bool demodulate) {
   graph.layers = config.layers;
   LayeredGraph made{};
-  GraphInput input = add_input(graph, config);
   made.valid = input.valid;
   const ValueId embedding = add_reducer(graph, config, input.features);
   const ValueId mean = graph.add(graph::MaskedMean{}, {embedding, input.valid},
@@ -44,6 +42,16 @@ LayeredGraph add_layers(Graph& graph, const NetworkConfig& config, bool demodula
   made.layers = add_partition(graph, config, input, embedding, context);
   made.layers.log_n = add_rejection(graph, config, made.layers.log_n, made.layers.embedding, context);
   return made;
+}
+
+}  // namespace
+
+LayeredGraph add_layers(Graph& graph, const NetworkConfig& config, const graph::LightParts& parts) {
+  return add_layers_of(graph, config, add_input(graph, config, parts), /*demodulate=*/true);
+}
+
+LayeredGraph add_plain_layers(Graph& graph, const NetworkConfig& config) {
+  return add_layers_of(graph, config, add_input(graph, config), /*demodulate=*/false);
 }
 
 ValueId add_filter_and_composite(Graph& graph, const NetworkConfig& config, const std::string& generator,

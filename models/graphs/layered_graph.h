@@ -21,8 +21,10 @@ struct LayeredGraph {
   std::optional<graph::ValueId> modulators;
   GraphLayers layers;
 };
-/// Without `demodulate` their radiance is that of the samples, whatever the network filters.
-LayeredGraph add_layers(graph::Graph& graph, const NetworkConfig& config, bool demodulate = true);
+LayeredGraph add_layers(graph::Graph& graph, const NetworkConfig& config,
+                        const graph::LightParts& parts = {});
+/// For looking: their radiance is that of the samples, whatever the network filters.
+LayeredGraph add_plain_layers(graph::Graph& graph, const NetworkConfig& config);
 
 /// Kernels from such a generator, at the layers' resolution, and the compositor (eq. 3 to 6;
 /// models/compositor.h).

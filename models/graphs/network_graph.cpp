@@ -5,13 +5,13 @@
 
 namespace ld {
 
-graph::Graph network_graph(const NetworkConfig& config) {
+graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts& parts) {
   check_network(config);
-  if (config.name == "layer") return layer_graph(config);
-  if (config.name == "optimized") return optimized_graph(config);
+  if (config.name == "layer") return layer_graph(config, parts);
+  if (config.name == "optimized") return optimized_graph(config, parts);
   if (config.name == "pixel_blend" || config.name == "pixel_gather" || config.name == "pixel_splat")
-    return pixel_graph(config);
-  if (config.name == "sample_splat") return sample_splat_graph(config);
+    return pixel_graph(config, parts);
+  if (config.name == "sample_splat") return sample_splat_graph(config, parts);
   fail("network '{}' has no graph; each of models/networks.def has a line here", config.name);
 }
 

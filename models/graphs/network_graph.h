@@ -6,15 +6,18 @@
 
 namespace ld {
 
-/// Of every network of models/networks.def. Throws UsageError as check_network() does.
-graph::Graph network_graph(const NetworkConfig& config);
+/// Of every network of models/networks.def. Its output has the picture and, behind it, what `parts` says.
+/// Throws UsageError as check_network() does.
+graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts& parts = {});
 
 /// [MH20] figure 2 (models/networks/layer_network.h).
-graph::Graph layer_graph(const NetworkConfig& config);
+graph::Graph layer_graph(const NetworkConfig& config, const graph::LightParts& parts);
 
-/// The same network's layers, to look at. Outputs: L_l / n_l [N, 3]; what layers are filtered to [N, 5],
-/// radiance, opacity and transmittance. With the weighted compositor they are filtered to [N, 4], and a third
-/// output [N, 1] has the shares of the layers in the picture.
+/// The same network's layers, to look at. Outputs: L_l / n_l [N, C]; what layers are filtered to [N, C + 2],
+/// radiance, opacity and transmittance. With the weighted compositor they are filtered to [N, C + 1], and a
+/// third output [N, 1] has the shares of the layers in the picture. C is 3, or, with demodulation, 6: both
+/// forms of the radiance (models/demodulation.h), and the last output has the factors of the modulation
+/// [1, 4].
 graph::Graph layer_views_graph(const NetworkConfig& config);
 
 /// What the same network's kernels are generated from: log n [N, 1], embeddings [N, E], context [1, C].
@@ -22,12 +25,12 @@ graph::Graph layer_sources_graph(const NetworkConfig& config);
 
 /// "pixel_blend", "pixel_gather" and "pixel_splat": one filter for each pixel
 /// (models/networks/pixel_network.h).
-graph::Graph pixel_graph(const NetworkConfig& config);
+graph::Graph pixel_graph(const NetworkConfig& config, const graph::LightParts& parts);
 
 /// A pyramid of layers ([MH20] section 6; models/networks/optimized_network.h).
-graph::Graph optimized_graph(const NetworkConfig& config);
+graph::Graph optimized_graph(const NetworkConfig& config, const graph::LightParts& parts);
 
 /// One kernel for each sample (models/networks/sample_splat_network.h).
-graph::Graph sample_splat_graph(const NetworkConfig& config);
+graph::Graph sample_splat_graph(const NetworkConfig& config, const graph::LightParts& parts);
 
 }  // namespace ld

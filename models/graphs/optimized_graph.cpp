@@ -52,9 +52,9 @@ ValueId add_level_logits(Graph& graph, const NetworkConfig& config, const std::s
 
 }  // namespace
 
-Graph optimized_graph(const NetworkConfig& config) {
+Graph optimized_graph(const NetworkConfig& config, const graph::LightParts& parts) {
   Graph graph;
-  const LayeredGraph made = add_layers(graph, config);
+  const LayeredGraph made = add_layers(graph, config, parts);
   const ValueId context = made.features[0];
   const auto generator = [](int64_t level) { return "kernel_generator" + std::to_string(level); };
   std::vector<ValueId> read = {add_level_logits(graph, config, generator(0), made.layers.embedding, context)};

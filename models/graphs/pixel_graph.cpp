@@ -10,12 +10,19 @@ using graph::ValueId;
 
 namespace {
 
+/// Of the samples that count.
+ValueId add_mean_radiance(Graph& graph, const GraphInput& input, const char* name) {
+  graph::Value mean = graph[input.radiance];
+  mean.name = name;
+  mean.items = Items::picture;
+  return graph.add(graph::MaskedMean{}, {input.radiance, input.valid}, std::move(mean));
+}
+
 /// One sample a pixel: the mean of those that count (models/pixel_mean.h).
 GraphInput add_pixel_mean(Graph& graph, const NetworkConfig& config, const GraphInput& input) {
   const int64_t channels = graph[input.features].channels;
   GraphInput mean{};
-  mean.radiance =
-      graph.add(graph::MaskedMean{}, {input.radiance, input.valid}, {"mean_radiance", Items::picture, 3});
+  mean.radiance = add_mean_radiance(graph, input, "mean_radiance");
   mean.valid = graph.add(graph::AnyValid{}, {input.valid}, {"drawn", Items::picture, 1});
   mean.features = graph.add(graph::MaskedMean{}, {input.features, input.valid},
                             {"mean_features", Items::picture, channels});
@@ -52,9 +59,9 @@ ValueId add_blend(Graph& graph, const NetworkConfig& config, const GraphPixels& 
 
 }  // namespace
 
-Graph pixel_graph(const NetworkConfig& config) {
+Graph pixel_graph(const NetworkConfig& config, const graph::LightParts& parts) {
   Graph graph;
-  GraphInput input = add_input(graph, config);
+  GraphInput input = add_input(graph, config, parts);
   if (config.means) input = add_pixel_mean(graph, config, input);
   const ValueId statistics = graph.add(graph::Statistics{}, {input.features, input.valid},
                                        {"statistics", Items::picture, 2 * graph[input.features].channels});
@@ -62,15 +69,13 @@ Graph pixel_graph(const NetworkConfig& config) {
   const ValueId context = add_unet(graph, config.unet, embedding);
 
   const std::optional<ValueId> modulators = add_demodulation(graph, config, input);
-  const int64_t colours = graph[input.radiance].channels;
   GraphPixels pixels = {embedding, context, 0, 0, 0};
-  pixels.radiance = graph.add(graph::MaskedMean{}, {input.radiance, input.valid},
-                              {"pixel_radiance", Items::picture, colours});
+  pixels.radiance = add_mean_radiance(graph, input, "pixel_radiance");
   pixels.drawn = graph.add(graph::AnyValid{}, {input.valid}, {"drawn", Items::picture, 1});
   pixels.log_n =
       add_rejection(graph, config, graph.add(graph::LogValid{}, {pixels.drawn}, {"log_n", Items::picture, 1}),
                     embedding, context);
-  const graph::Value filtered = {"filtered", Items::picture, colours};
+  const graph::Value filtered = {"filtered", Items::picture, graph[pixels.radiance].channels};
   const ValueId picture = config.name == "pixel_blend" ? add_blend(graph, config, pixels, filtered)
                                                        : add_kernels(graph, config, pixels, filtered);
   graph.output = add_modulation(graph, picture, modulators, context);

@@ -7,9 +7,9 @@ using graph::Graph;
 using graph::Items;
 using graph::ValueId;
 
-Graph sample_splat_graph(const NetworkConfig& config) {
+Graph sample_splat_graph(const NetworkConfig& config, const graph::LightParts& parts) {
   Graph graph;
-  GraphInput input = add_input(graph, config);
+  GraphInput input = add_input(graph, config, parts);
   const std::optional<ValueId> modulators = add_demodulation(graph, config, input);
   const int64_t colours = graph[input.radiance].channels;
   const ValueId features = graph.add(graph::FirstValid{}, {input.features, input.valid},

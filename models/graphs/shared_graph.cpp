@@ -1,6 +1,7 @@
 #include "models/graphs/shared_graph.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "frame/schema.h"
 #include "models/check_network.h"
@@ -12,12 +13,14 @@ using graph::Items;
 using graph::Value;
 using graph::ValueId;
 
-GraphInput add_input(Graph& graph, const NetworkConfig& config) {
+GraphInput add_input(Graph& graph, const NetworkConfig& config, const graph::LightParts& parts) {
   graph.exposed = config.exposure_normalisation;
+  graph.parts = parts;
   const int64_t channels = channel_count(config.features);
   const GraphInput input = {graph.add_value({"features", Items::samples, channels}),
-                            graph.add_value({"radiance", Items::samples, 3}),
+                            graph.add_value({"radiance", Items::samples, 3 + parts.channels()}),
                             graph.add_value({"valid", Items::samples, 1})};
+  graph.values[input.radiance].parts = parts.channels();
   graph.nodes.push_back({graph::Encode{config.features}, {}, {input.features, input.radiance, input.valid}});
   return input;
 }
@@ -59,7 +62,11 @@ ValueId add_reducer(Graph& graph, const NetworkConfig& config, ValueId features)
 
 std::optional<ValueId> add_demodulation(Graph& graph, const NetworkConfig& config, GraphInput& input) {
   if (config.demodulation != "albedo") return std::nullopt;
-  const ValueId forms = graph.add_value({"demodulated", graph[input.radiance].items, 6}),
+  Value demodulated = graph[input.radiance];
+  demodulated.name = "demodulated";
+  demodulated.parts += demodulated.parts / 3 * 3;  // coloured ones have two forms, alpha one
+  demodulated.channels = 6 + demodulated.parts;
+  const ValueId forms = graph.add_value(std::move(demodulated)),
                 modulators = graph.add_value({"modulators", Items::picture, 4});
   graph.nodes.push_back({graph::Demodulate{first_channel(config.features, "albedo"),
                                            first_channel(config.features, "specular")},
@@ -69,10 +76,16 @@ std::optional<ValueId> add_demodulation(Graph& graph, const NetworkConfig& confi
   return modulators;
 }
 
+ValueId add_modulation_factors(Graph& graph, ValueId modulators, ValueId context) {
+  return graph.add(graph::ModulationFactors{"modulation.weight"}, {modulators, context},
+                   {"factors", Items::picture, 4});
+}
+
 ValueId add_modulation(Graph& graph, ValueId filtered, std::optional<ValueId> modulators, ValueId context) {
   if (!modulators) return filtered;
-  return graph.add(graph::Modulate{"modulation.weight"}, {filtered, *modulators, context},
-                   {"picture", Items::picture, 3});
+  const int64_t of_parts = graph[filtered].channels - 6;
+  return graph.add(graph::Modulate{}, {filtered, add_modulation_factors(graph, *modulators, context)},
+                   {"picture", Items::picture, 3 + of_parts / 6 * 3 + of_parts % 3});
 }
 
 ValueId add_rejection(Graph& graph, const NetworkConfig& config, ValueId log_n, ValueId embedding,

@@ -9,11 +9,11 @@
 
 namespace ld {
 
-/// The frame as a network sees it.
+/// The frame as a network sees it. With the radiance come parts of the light (graph::Value::parts).
 struct GraphInput {
   graph::ValueId features, radiance, valid;
 };
-GraphInput add_input(graph::Graph& graph, const NetworkConfig& config);
+GraphInput add_input(graph::Graph& graph, const NetworkConfig& config, const graph::LightParts& parts = {});
 
 /// x and the context -> the outputs of a fully connected network; its result has as many items as x.
 graph::ValueId add_fully_connected(graph::Graph& graph, const graph::FullyConnected& op, graph::ValueId x,
@@ -28,6 +28,9 @@ graph::ValueId add_reducer(graph::Graph& graph, const NetworkConfig& config, gra
 /// With demodulation: both forms of the radiance take its place; returns what add_modulation() needs.
 std::optional<graph::ValueId> add_demodulation(graph::Graph& graph, const NetworkConfig& config,
                                                GraphInput& input);
+
+/// The texture that comes back, and how much of it.
+graph::ValueId add_modulation_factors(graph::Graph& graph, graph::ValueId modulators, graph::ValueId context);
 
 /// The picture from what was filtered.
 graph::ValueId add_modulation(graph::Graph& graph, graph::ValueId filtered,

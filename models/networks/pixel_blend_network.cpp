@@ -1,5 +1,6 @@
 // The example of docs/extending.md: a network that predicts for each pixel how much of its mean to keep, the
 // rest of which comes from a Gaussian blur that nothing is learnt of.
+#include "graph/operators.h"
 #include "models/fully_connected_module.h"
 #include "models/networks/pixel_network.h"
 #include "models/networks/registry.h"
@@ -51,9 +52,8 @@ class PixelBlendNetwork : public PixelNetwork {
 
   /// Logits of the taps [K*K].
   Tensor gaussian(const Pixels& pixels) const {
-    const int64_t size = config().kernel_size;
-    const Tensor squares = (at::arange(size, pixels.radiance.options()) - size / 2).square();
-    return (squares.unsqueeze(1) + squares).flatten() * (-18.0 / double(size * size));
+    return torch::tensor(graph::Blur{config().kernel_size}.logits(), torch::kFloat64)
+        .to(pixels.radiance.options());
   }
 
   std::shared_ptr<FullyConnected> blend_;

@@ -75,6 +75,33 @@ def _check_shape(name: str, shape: tuple[int, ...], channels: int, size: tuple[i
     raise ValueError(f"the feature '{name}' has the shape {shape_text(shape)}; expected {shape_text(wanted)}{advice}")
 
 
+def checked_parts(parts: Mapping[str, ArrayLike], size: tuple[int, ...]) -> dict[str, NDArray[np.float32]]:
+    """Arrays [samples, height, width, 3] by name, of the radiance's size. Raises ValueError."""
+    if not isinstance(parts, Mapping):
+        raise ValueError(f"parts are a {type(parts).__name__}; expected a dict of arrays by their names")
+    checked: dict[str, NDArray[np.float32]] = {}
+    for name, value in parts.items():
+        array = as_floats(f"the part '{name}'", value)
+        if array.shape != (*size, 3):
+            raise ValueError(
+                f"the part '{name}' has the shape {shape_text(array.shape)}; expected {shape_text((*size, 3))}, that of the radiance"
+            )
+        checked[name] = array
+    return checked
+
+
+def checked_alpha(alpha: ArrayLike | None, size: tuple[int, ...]) -> NDArray[np.float32] | None:
+    """[samples, height, width]. Raises ValueError."""
+    if alpha is None:
+        return None
+    array = as_floats("alpha", alpha)
+    if array.ndim == 4 and array.shape[3] == 1:
+        array = array[..., 0]
+    if array.shape != size:
+        raise ValueError(f"alpha has the shape {shape_text(array.shape)}; expected {shape_text(size)}, one value for each sample")
+    return array
+
+
 def checked_valid(valid: ArrayLike | None, size: tuple[int, ...]) -> NDArray[np.uint8] | None:
     """Bytes, 0 for a sample that does not count."""
     if valid is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import checked_count, checked_samples, checked_valid
+from ._arrays import checked_alpha, checked_count, checked_parts, checked_samples, checked_valid
 from ._files import Frame
 
 _MODELS = Path(__file__).parent / "models"
@@ -37,6 +38,18 @@ def _resolve(weights: str | os.PathLike[str]) -> str:
     raise RuntimeError(
         f"no such weights: {path}; expected a file, the folder of a run, or one of the released {', '.join(released_weights())}"
     )
+
+
+@dataclass(frozen=True, eq=False)
+class DenoisedParts:
+    """What Denoiser.denoise_parts() returns; linear, float32."""
+
+    picture: NDArray[np.float32]
+    """[height, width, 3]."""
+    parts: dict[str, NDArray[np.float32]]
+    """[height, width, 3] by name."""
+    alpha: NDArray[np.float32] | None
+    """[height, width]; None where it was not asked for."""
 
 
 class Denoiser:
@@ -96,13 +109,54 @@ class Denoiser:
             their radiance do not count anyway.
         depth_scale: the unit of depth; None: that of the frame, or the median of the finite depths.
         threads: that compute; 0: OMP_NUM_THREADS, or all CPUs of the process. The bits are those of ld_denoise with as many.
-        max_memory_mb: what the whole process may take, in MB of 10^6 bytes, the samples' copy aside; 0: no bound.
+        max_memory_mb: what the whole process may take, in MB of 2^20 bytes, the samples' copy aside; 0: no bound.
         progress: called now and then with the share that is done, 0 to 1. A result that is false, other than None, cancels.
 
         Python's lock is released while this computes. Ctrl-C ends it with KeyboardInterrupt.
 
         Raises ValueError for arrays that do not fit and for a memory bound that is too small, Cancelled, and what `progress` raises.
         """
+        return self._denoise(samples, {}, None, valid, depth_scale, threads, max_memory_mb, progress)[0]
+
+    def denoise_parts(
+        self,
+        samples: Frame | Mapping[str, ArrayLike],
+        parts: Mapping[str, ArrayLike] | None = None,
+        alpha: ArrayLike | None = None,
+        valid: ArrayLike | None = None,
+        *,
+        depth_scale: float | None = None,
+        threads: int = 0,
+        max_memory_mb: int = 0,
+        progress: Callable[[float], Any] | None = None,
+    ) -> DenoisedParts:
+        """Denoises a frame and, with the picture's own weights, parts of its light and its alpha.
+
+        parts: arrays [samples, height, width, 3] by name, linear, which may be negative; None: those of the Frame. Where they sum to
+            the radiance in every sample, the parts that come out sum to the picture, to rounding. A colour with a NaN or an infinity
+            where the radiance has none counts as 0.
+        alpha: [samples, height, width], 0 to 1; None: it is not filtered. Samples with a NaN or an infinity in it do not count.
+
+        The others are those of denoise(), whose picture this gives, bit for bit.
+        """
+        if parts is None:
+            parts = samples.parts if isinstance(samples, Frame) else {}
+        pictures = self._denoise(samples, parts, alpha, valid, depth_scale, threads, max_memory_mb, progress)
+        named = dict(zip(parts, pictures[1:]))
+        return DenoisedParts(pictures[0], named, None if alpha is None else pictures[-1][..., 0])
+
+    def _denoise(
+        self,
+        samples: Frame | Mapping[str, ArrayLike],
+        parts: Mapping[str, ArrayLike],
+        alpha: ArrayLike | None,
+        valid: ArrayLike | None,
+        depth_scale: float | None,
+        threads: int,
+        max_memory_mb: int,
+        progress: Callable[[float], Any] | None,
+    ) -> list[NDArray[np.float32]]:
+        """The picture, the parts in their order, and alpha [height, width, 1] where it is given."""
         scale: float | None = None
         if isinstance(samples, Frame):
             valid = samples.valid if valid is None else valid
@@ -114,9 +168,12 @@ class Denoiser:
         if progress is not None and not callable(progress):
             raise ValueError(f"progress is {progress!r}; expected a function of the share that is done, or None")
         arrays = checked_samples(samples, self.features, self.required)
+        size = arrays["radiance"].shape[:3]
         return self._native.denoise(
             arrays,
-            checked_valid(valid, arrays["radiance"].shape[:3]),
+            list(checked_parts(parts, size).values()),
+            checked_alpha(alpha, size),
+            checked_valid(valid, size),
             0.0 if scale is None else float(scale),
             checked_count("threads", threads, 4096),
             checked_count("max_memory_mb", max_memory_mb, 10**9),

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,19 +25,24 @@ class Frame:
     """[samples, height, width], by which the radiance is premultiplied; None where the file has none."""
     depth_scale: float
     """The median depth, as the program found it that wrote the file: depths are seen relative to it."""
+    parts: dict[str, NDArray[np.float32]] = field(default_factory=dict)
+    """Parts of the light, [samples, height, width, 3] by name: those that read_frame() was asked for."""
 
 
-def read_frame(path: str | os.PathLike[str], samples: int = 0) -> Frame:
+def read_frame(path: str | os.PathLike[str], samples: int = 0, also: Sequence[str] = ()) -> Frame:
     """Reads a frame of samples, as ld_render and ld_import write it: OpenEXR with a part for each sample.
 
-    Of its samples the first `samples`; 0: all. Values are mended as by ld_denoise: samples with a NaN or an infinity become invalid,
+    Of its samples the first `samples`; 0: all. `also` are patterns (*, ?, [...]) of parts of the light that it holds beside the
+    radiance, as ["light_*", "diffuse"]; one that fits none is an error. Values are mended as by ld_denoise: samples with a NaN or an infinity become invalid,
     negative radiance becomes 0. The arrays look into one memory, plane behind plane; nothing is copied.
 
     Raises RuntimeError where the file is missing, damaged, or no frame.
     """
     count = checked_count("samples", samples, 4096)
-    arrays, valid, alpha, depth_scale = _native.read_frame(os.fspath(path), count, 0)
-    return Frame(arrays, valid.view(np.bool_), alpha, depth_scale)
+    if isinstance(also, str) or not all(isinstance(pattern, str) for pattern in also):
+        raise ValueError(f"also is {also!r}; expected a list of patterns")
+    arrays, valid, alpha, depth_scale, parts = _native.read_frame(os.fspath(path), count, 0, list(also))
+    return Frame(arrays, valid.view(np.bool_), alpha, depth_scale, parts)
 
 
 def read_image(path: str | os.PathLike[str]) -> NDArray[np.float32]:

@@ -11,12 +11,13 @@ namespace nb = nanobind;
 
 namespace ld {
 
-nb::tuple read_frame_arrays(const std::string& path, int samples, int threads) {
+nb::tuple read_frame_arrays(const std::string& path, int samples, int threads,
+                            const std::vector<std::string>& also) {
   auto frame = std::make_unique<Frame>();
   {
     const nb::gil_scoped_release unlocked;
     Faults faults;
-    *frame = read_frame(path, {}, faults, samples, threads > 0 ? threads : default_threads());
+    *frame = read_frame(path, {}, faults, samples, threads > 0 ? threads : default_threads(), also);
   }
   Frame& held = *frame;
   const nb::capsule owner = capsule_of(std::move(frame));
@@ -26,7 +27,7 @@ nb::tuple read_frame_arrays(const std::string& path, int samples, int threads) {
   for (const Feature& feature : feature_schema()) {
     if (!held.holds(feature.name)) continue;
     const size_t four[4] = {shape[0], shape[1], shape[2], size_t(feature.channels)};
-    const int64_t strides[4] = {kSampleChannels * plane, held.width, 1, plane};
+    const int64_t strides[4] = {held.channels * plane, held.width, 1, plane};
     arrays[feature.name.c_str()] = nb::cast(
         nb::ndarray<nb::numpy, float, nb::ndim<4>>(held.plane(0, feature.offset), 4, four, owner, strides));
   }
@@ -35,7 +36,14 @@ nb::tuple read_frame_arrays(const std::string& path, int samples, int threads) {
   nb::object alpha = nb::none();
   if (!held.alpha.empty())
     alpha = nb::cast(nb::ndarray<nb::numpy, float, nb::ndim<3>>(held.alpha.data(), 3, shape, owner));
-  return nb::make_tuple(arrays, valid, alpha, held.info.depth_scale);
+  nb::dict parts;
+  for (size_t part = 0; part < held.parts.size(); ++part) {
+    const size_t four[4] = {shape[0], shape[1], shape[2], 3};
+    const int64_t strides[4] = {3 * plane, held.width, 1, plane};
+    parts[held.parts[part].name.c_str()] = nb::cast(
+        nb::ndarray<nb::numpy, float, nb::ndim<4>>(held.part_plane(part, 0, 0), 4, four, owner, strides));
+  }
+  return nb::make_tuple(arrays, valid, alpha, held.info.depth_scale, parts);
 }
 
 nb::ndarray<nb::numpy, float, nb::ndim<3>> read_image_array(const std::string& path) {

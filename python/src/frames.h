@@ -5,13 +5,16 @@
 #include <nanobind/ndarray.h>
 
 #include <string>
+#include <vector>
 
 namespace ld {
 
-/// (samples, valid, alpha, depth scale) of a frame of this project: a dict of arrays [samples, height, width,
-/// channels] by feature, arrays [samples, height, width] of valid samples and of alpha (None where the file
-/// has none). The arrays look into the frame's memory; nothing is copied.
-nanobind::tuple read_frame_arrays(const std::string& path, int samples, int threads);
+/// (samples, valid, alpha, depth scale, parts) of a frame of this project: a dict of arrays [samples, height,
+/// width, channels] by feature, arrays [samples, height, width] of valid samples and of alpha (None where the
+/// file has none), and a dict of arrays [samples, height, width, 3] of the light parts that a pattern of
+/// `also` fits. The arrays look into the frame's memory; nothing is copied.
+nanobind::tuple read_frame_arrays(const std::string& path, int samples, int threads,
+                                  const std::vector<std::string>& also);
 
 /// [height, width, 3].
 nanobind::ndarray<nanobind::numpy, float, nanobind::ndim<3>> read_image_array(const std::string& path);

@@ -38,10 +38,13 @@ NB_MODULE(_native, module) {
       .def_prop_ro("required", &ld::PythonDenoiser::required)
       .def(
           "denoise",
-          [](ld::PythonDenoiser& self, const std::map<std::string, ld::SampleArray>& samples,
+          [](ld::PythonDenoiser& self, const std::map<std::string, ld::SampleArray>& features,
+             const std::vector<ld::SampleArray>& parts, const ld::AlphaArray& alpha,
              const ld::ValidArray& valid, float depth_scale, int threads, int64_t max_memory_mb,
              const nb::object& progress) {
-            return self.denoise(samples, valid, {depth_scale, threads, max_memory_mb, progress});
+            return self.denoise({features, parts, alpha, valid},
+                                {depth_scale, threads, max_memory_mb, progress});
           },
-          nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none());
+          nb::arg(), nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(),
+          nb::arg().none());
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "arrays.h"
+#include "core/threads.h"
 #include "embed/floating_point.h"
 #include "embed/frame_buffers.h"
 #include "models/network_config.h"
@@ -61,20 +62,54 @@ class Callbacks {
   bool stop_ = false;
 };
 
-FrameBuffers buffers_of(const std::map<std::string, SampleArray>& samples, const ValidArray& valid) {
+/// A picture on its way to Python, channels last.
+struct Pixels {
+  int width, height, channels;
+  std::unique_ptr<float[]> memory =
+      std::make_unique<float[]>(size_t(width) * size_t(height) * size_t(channels));
+
+  LdStrides strides() const { return {0, 1, ptrdiff_t(channels) * width, channels}; }
+  PictureArray array() {
+    const nb::capsule owner(memory.get(), [](void* data) noexcept { delete[] static_cast<float*>(data); });
+    float* const data = memory.release();
+    const size_t shape[3] = {size_t(height), size_t(width), size_t(channels)};
+    return PictureArray(data, 3, shape, owner);
+  }
+};
+
+LdStrides strides_of(const SampleArray& array) {
+  return {array.stride(0), array.stride(3), array.stride(1), array.stride(2)};
+}
+
+/// `pixels` receives where the picture, the parts and alpha go.
+FrameBuffers buffers_of(const PythonSamples& samples, std::vector<Pixels>& pixels) {
   FrameBuffers buffers;
-  const SampleArray& radiance = samples.at("radiance");
-  buffers.set_size(int(radiance.shape(2)), int(radiance.shape(1)), int(radiance.shape(0)));
-  for (const auto& [name, array] : samples) {
-    const LdStrides strides = {array.stride(0), array.stride(3), array.stride(1), array.stride(2)};
+  const SampleArray& radiance = samples.features.at("radiance");
+  const int width = int(radiance.shape(2)), height = int(radiance.shape(1));
+  buffers.set_size(width, height, int(radiance.shape(0)));
+  for (const auto& [name, array] : samples.features) {
+    const LdStrides strides = strides_of(array);
     buffers.set_feature(name, array.data(), &strides);
   }
-  if (valid.is_valid()) buffers.set_valid(valid.data());
+  pixels.push_back({width, height, 3});
+  for (const SampleArray& part : samples.parts) {
+    pixels.push_back({width, height, 3});
+    const LdStrides from = strides_of(part), to = pixels.back().strides();
+    buffers.add_part(part.data(), &from, pixels.back().memory.get(), &to);
+  }
+  if (samples.alpha.is_valid()) {
+    const AlphaArray& alpha = samples.alpha;
+    pixels.push_back({width, height, 1});
+    const LdStrides from = {alpha.stride(0), 0, alpha.stride(1), alpha.stride(2)},
+                    to = pixels.back().strides();
+    buffers.set_alpha(alpha.data(), &from, pixels.back().memory.get(), &to);
+  }
+  if (samples.valid.is_valid()) buffers.set_valid(samples.valid.data());
   return buffers;
 }
 
-Frame frame_of(const FrameBuffers& buffers, const Denoiser& denoiser, float depth_scale) {
-  Frame frame = buffers.gather(denoiser.network_config().features, denoiser.features());
+Frame frame_of(const FrameBuffers& buffers, const Denoiser& denoiser, float depth_scale, int threads) {
+  Frame frame = buffers.gather(denoiser.network_config().features, denoiser.features(), threads);
   if (depth_scale > 0) frame.info.depth_scale = depth_scale;
   if (std::all_of(frame.valid.begin(), frame.valid.end(), [](uint8_t drawn) { return drawn == 0; }))
     fail_usage(
@@ -94,30 +129,30 @@ std::vector<std::pair<std::string, int>> PythonDenoiser::features() const {
   return features;
 }
 
-PictureArray PythonDenoiser::denoise(const std::map<std::string, SampleArray>& samples,
-                                     const ValidArray& valid, const PythonDenoiseOptions& how) {
+std::vector<PictureArray> PythonDenoiser::denoise(const PythonSamples& samples,
+                                                  const PythonDenoiseOptions& how) {
   const OneCall call(busy_);
-  const FrameBuffers buffers = buffers_of(samples, valid);
+  std::vector<Pixels> pixels;
+  const FrameBuffers buffers = buffers_of(samples, pixels);
   const FloatingPointSettings callers;
   Callbacks callbacks(how.progress, callers);
   DenoiseOptions options;
-  options.threads = how.threads;
-  options.max_memory_bytes = how.max_memory_mb * 1'000'000;
+  options.threads = how.threads > 0 ? how.threads : default_threads();
+  options.max_memory_bytes = how.max_memory_mb * kBudgetMegabyte;
   options.progress = [&](double share) { callbacks.advance(share); };
   options.cancel = [&] { return callbacks.cancel(); };
-  std::unique_ptr<float[]> pixels;
   {
     const nb::gil_scoped_release unlocked;
     const FloatingPointGuard settings;
-    const Image picture = denoiser_.denoise(frame_of(buffers, denoiser_, how.depth_scale), options);
-    pixels = std::make_unique<float[]>(picture.pixels.size());
-    const LdStrides interleaved = {0, 1, ptrdiff_t(3) * picture.width, 3};
-    scatter(picture, pixels.get(), &interleaved);
+    const Frame frame = frame_of(buffers, denoiser_, how.depth_scale, options.threads);
+    const DenoisedParts denoised = denoiser_.denoise_parts(frame, !frame.alpha.empty(), options);
+    const LdStrides interleaved = pixels[0].strides();
+    scatter(denoised.picture, pixels[0].memory.get(), &interleaved, options.threads);
+    buffers.scatter_parts(denoised, options.threads);
   }
-  const nb::capsule owner(pixels.get(), [](void* data) noexcept { delete[] static_cast<float*>(data); });
-  float* const data = pixels.release();
-  const size_t shape[3] = {size_t(buffers.height()), size_t(buffers.width()), 3};
-  return PictureArray(data, 3, shape, owner);
+  std::vector<PictureArray> arrays;
+  for (Pixels& picture : pixels) arrays.push_back(picture.array());
+  return arrays;
 }
 
 }  // namespace ld

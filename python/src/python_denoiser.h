@@ -19,8 +19,17 @@ using SampleArray = nanobind::ndarray<const float, nanobind::ndim<4>, nanobind::
 /// [samples, height, width], 0 for a sample that was not drawn.
 using ValidArray =
     nanobind::ndarray<const uint8_t, nanobind::ndim<3>, nanobind::c_contig, nanobind::device::cpu>;
-/// [height, width, 3].
+/// [samples, height, width] with any strides.
+using AlphaArray = nanobind::ndarray<const float, nanobind::ndim<3>, nanobind::device::cpu>;
+/// [height, width, 3], and of alpha [height, width, 1].
 using PictureArray = nanobind::ndarray<nanobind::numpy, float, nanobind::ndim<3>>;
+/// What a frame's samples are.
+struct PythonSamples {
+  std::map<std::string, SampleArray> features;
+  std::vector<SampleArray> parts;  // of the light, 3 channels
+  AlphaArray alpha;                // may be none
+  ValidArray valid;                // may be none
+};
 
 struct PythonDenoiseOptions {
   float depth_scale = 0;  // 0: the median of the depths
@@ -39,11 +48,11 @@ class PythonDenoiser {
   std::vector<std::pair<std::string, int>> features() const;
   const std::vector<std::string>& required() const { return denoiser_.features(); }
 
-  /// The arrays have one size, and their features the channels that the schema says: the Python side of the
+  /// The picture, and filtered with its weights the parts and alpha, where there is one, in this order. The
+  /// arrays have one size, and their features the channels that the schema says: the Python side of the
   /// package has checked it. Throws Cancelled when the progress function says so, and what that raised. One
   /// call at a time: another thread's, or one out of the progress function, is an Error.
-  PictureArray denoise(const std::map<std::string, SampleArray>& samples, const ValidArray& valid,
-                       const PythonDenoiseOptions& how);
+  std::vector<PictureArray> denoise(const PythonSamples& samples, const PythonDenoiseOptions& how);
 
  private:
   Denoiser denoiser_;

@@ -69,9 +69,13 @@ def check_program(found, piece, name, arguments):
             found.fault(piece, f"ld_bench has no subcommand {subcommand}")
             return
     check_options(found, piece, name, arguments, known.program_options(name, subcommand))
+    named = [argument for before, argument in zip(["", *arguments], arguments) if before == "--filter"]
+    filters = {argument.partition("=")[0]: argument.rpartition("=")[2] for argument in named}  # NAME=KIND or KIND
     for before, argument in zip(["", *arguments], arguments):
         key, equals, _ = argument.lstrip("[").partition("=")
         kind = OVERRIDES.get(name) if not before.startswith("--") else "mapping" if before == "--set" else None
+        if before == "--set" and key.partition(".")[0] in filters:
+            kind, key = filters[key.partition(".")[0]], key.partition(".")[2]
         if kind and equals and re.fullmatch(r"[a-z][\w.]*", key) and key not in ("key", "key.sub"):
             found.count("keys")
             if not known.is_key(kind, key):

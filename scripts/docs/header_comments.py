@@ -5,13 +5,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADERS = ["src/training/run/config.h", "models/network_config.h", "src/render/recipe/recipe.h", "src/render/file/scene_file_config.h",
-           "src/render/random/random_scene.h", "src/import/mapping.h", "src/import/view_camera.cpp"]
+           "src/render/recipe/sequence_config.h", "src/render/random/random_scene.h", "src/import/mapping.h", "src/import/view_camera.cpp",
+           "src/filters/settings.h"]
 
 
 class Struct:
     def __init__(self):
         self.members = {}   # name: (type, comment)
         self.keys = {}      # key: name of the member
+        self.inlined = []   # members whose keys are this struct's own
 
 
 def bodies(text):
@@ -68,6 +70,12 @@ def read_structs():
             struct.members = {member: (kind, " ".join(text)) for member, (kind, text) in read_members(data.splitlines()).items()}
             for match in re.finditer(r'v\.\w+\(\s*"(\w+)",\s*(\w+)', visit):
                 struct.keys[match[1]] = match[2]
+            struct.inlined = re.findall(r"(\w+)\.visit\(v\)", visit)
+    for struct in structs.values():
+        for member in struct.inlined:
+            held = structs[struct.members[member][0]]
+            struct.members = {**held.members, **struct.members}
+            struct.keys = {**held.keys, **struct.keys}
     return structs
 
 

@@ -21,7 +21,7 @@ INTRO = """# All keys
 Every key of every YAML file that the programs read, with its default and what it may be. An unknown key is an error that names the
 nearest known one. `key.sub=value` on the command line sets any of them.
 
-This page is written by `scripts/docs/keys_page.py`. The keys are those that `ld_inspect --keys train` (`recipe`, `mapping`, `camera`)
+This page is written by `scripts/docs/keys_page.py`. The keys are those that `ld_inspect --keys train` (`recipe`, `mapping`, `camera`, `eaw`, `svgf`)
 prints; the last column is the comment of the key's field in the source. A test fails when the page is older than either.
 """
 KINDS = {
@@ -36,6 +36,10 @@ KINDS = {
                 "`depth_2.channels` for instance."),
     "camera": ("Camera files", "CameraConfig",
                "What `ld_import --camera` and `ld_denoise --camera` read. [Import](import.md#the-camera) explains them."),
+    "eaw": ("The filter EAW", "EawSettings",
+            "What `--filter eaw` takes, as `--set eaw.KEY=value`. [Filters](filters.md) explains them."),
+    "svgf": ("The filter SVGF", "SvgfSettings",
+             "What `--filter svgf` takes, as `--set svgf.KEY=value`. [Filters](filters.md) explains them."),
 }
 
 

@@ -4,10 +4,10 @@
     out/peers/venv/bin/python scripts/peers/oidn_denoise.py --data DIR --out PICTURES [--split test] [--threads N]
         [--samples N] [--quality fast|balanced|high] [--prefilter]
 
-Colour, albedo and normal are the means of each pixel's valid samples, as a renderer would hand them over; of the first N samples alone with --samples, as ld_eval's. With --prefilter albedo and normal
-are denoised first, as its manual advises for final frames (their time counts). Writes one EXR a
-frame and cost.json (seconds a frame: the median of the repeats; peak_mb: by how much the resident memory rose while the
-filter was made and run), which `ld_eval --images NAME=PICTURES` and `ld_bench tradeoff --images NAME=PICTURES` read.
+Colour, albedo and normal are the means of each pixel's valid samples, as a renderer would hand them over; of the first N samples alone with
+--samples, as ld_eval's. With --prefilter albedo and normal are denoised first, as its manual advises for final frames. Writes one EXR a frame and
+cost.json, which `ld_eval --images NAME=PICTURES` and `ld_bench tradeoff --images NAME=PICTURES` read: seconds a frame, from the samples in memory to
+the picture, so with the means and the prefilters, the median of the repeats; peak_mb, by how much the resident memory rose meanwhile.
 """
 import argparse
 import json
@@ -19,8 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
-from pyoidn import Device, Filter
-from pyoidn.filter import OIDN_FORMAT_FLOAT3
+from oidn_filter import QUALITIES, Means, check, make_device, make_filter, version_of
 
 FEATURES = {"color": ("R", "G", "B"), "albedo": ("albedo.R", "albedo.G", "albedo.B"), "normal": ("N.X", "N.Y", "N.Z")}
 
@@ -35,32 +34,16 @@ def planes(part, names):
     return np.stack([channels[name].pixels.astype(np.float32) for name in names], axis=-1)
 
 
-# Values of OIDNQuality.
-QUALITIES = {"fast": 4, "balanced": 5, "high": 6}
-
-
-def mean_features(path, first):
-    """Means over the samples, and the windows that the picture gets; a sample whose radiance is not finite counts as not drawn, guides that
-    are not finite are 0. Radiance below 0 is 0."""
+def read_samples(path, first):
+    """The samples of each feature, [samples, height, width, 3], and the windows that the picture gets."""
     with OpenEXR.File(str(path), separate_channels=True) as file:
-        samples = [{feature: planes(part, names) for feature, names in FEATURES.items()}
-                   for part in file.parts if re.fullmatch(r"s\d+", part.name())]
-        windows = next(({key: part.header[key] for key in ("dataWindow", "displayWindow")}
-                        for part in file.parts if re.fullmatch(r"s\d+", part.name())), {})
-    if not samples:
-        raise SystemExit(f"{path}: no sample parts s000, s001, ...")
-    if first > len(samples):
-        raise SystemExit(f"{path}: {len(samples)} samples, but --samples asks for {first}")
-    samples = samples[:first] if first else samples
-    valid = [np.isfinite(sample["color"]).all(axis=-1) for sample in samples]
-    count = np.maximum(np.sum(valid, axis=0), 1)[..., None]
-    means = {}
-    for feature in FEATURES:
-        values = [np.where(ok[..., None] & np.isfinite(sample[feature]).all(axis=-1)[..., None], sample[feature], 0)
-                  for sample, ok in zip(samples, valid)]
-        means[feature] = np.ascontiguousarray(np.sum(values, axis=0) / count, dtype=np.float32)
-    means["color"] = np.maximum(means["color"], 0)
-    return means, windows
+        parts = [part for part in file.parts if re.fullmatch(r"s\d+", part.name())]
+        if not parts:
+            raise SystemExit(f"{path}: no sample parts s000, s001, ...")
+        if first > len(parts):
+            raise SystemExit(f"{path}: {len(parts)} samples, but --samples asks for {first}")
+        windows = {key: parts[0].header[key] for key in ("dataWindow", "displayWindow")}
+        return {feature: np.stack([planes(part, names) for part in parts[:first or None]]) for feature, names in FEATURES.items()}, windows
 
 
 def status_mb(key):
@@ -70,45 +53,30 @@ def status_mb(key):
     raise SystemExit(f"/proc/self/status has no {key}")
 
 
-def make_filter(device, images, quality, **switches):
-    """A filter on these images, and the picture that it writes."""
-    height, width, _ = next(iter(images.values())).shape
-    output = np.zeros((height, width, 3), dtype=np.float32)
-    oidn = Filter(device, "RT")
-    for name, image in images.items():
-        oidn.set_image(name, image, OIDN_FORMAT_FLOAT3, width, height)
-    oidn.set_image("output", output, OIDN_FORMAT_FLOAT3, width, height)
-    for name, value in switches.items():
-        oidn.set_bool(name, value)
-    oidn.set_int("quality", QUALITIES[quality])
-    oidn.commit()
-    return oidn, output
-
-
-def denoise(device, images, repeats, quality="high", prefilter=False):
-    """The picture, the median time of running the filters, and the memory they took."""
+def denoise(device, samples, options):
+    """The picture, the median time from samples to picture, and the memory that it took."""
     Path("/proc/self/clear_refs").write_text("5")
     before = status_mb("VmRSS")
+    means = Means(samples, options.threads)
+    images = dict(means.images)
     filters = []
-    given = dict(images)  # Open Image Denoise borrows the arrays: whoever replaces one must keep it alive
-    if prefilter:
+    if options.prefilter:
         for name in ("albedo", "normal"):
-            oidn, images[name] = make_filter(device, {name: given[name]}, quality)
+            oidn, images[name] = make_filter(device, {name: means.images[name]}, options.quality)
             filters.append(oidn)
-    oidn, output = make_filter(device, images, quality, hdr=True, cleanAux=prefilter)
+    oidn, output = make_filter(device, images, options.quality, hdr=True, cleanAux=options.prefilter)
     filters.append(oidn)
     times = []
-    for _ in range(repeats + 1):  # the first warms up
+    for _ in range(options.repeats + 1):  # the first warms up
         start = time.perf_counter()
+        means.make()
         for oidn in filters:
             oidn.execute()
             device.wait()
         times.append(time.perf_counter() - start)
     for oidn in filters:
         oidn.release()
-    message = device.get_error()
-    if message:
-        raise SystemExit(f"Open Image Denoise: {message}")
+    check(device)
     return output, statistics.median(times[1:]), max(status_mb("VmHWM") - before, 0)
 
 
@@ -137,16 +105,11 @@ def main():
     if not frames:
         raise SystemExit(f"{options.data}: no frames in split '{options.split}'")
     options.out.mkdir(parents=True, exist_ok=True)
-    device = Device()
-    device.set_int("numThreads", options.threads)
-    device.set_bool("setAffinity", False)
-    device.commit()
-    version = device.get_int("version")
-    cost = {"program": f"Open Image Denoise {version // 10000}.{version // 100 % 100}.{version % 100}",
-            "threads": options.threads, "peak_mb": 0.0, "seconds": {}}
+    device = make_device(options.threads)
+    cost = {"program": version_of(device), "threads": options.threads, "peak_mb": 0.0, "seconds": {}}
     for name in frames:
-        images, windows = mean_features(options.data / f"{name}.exr", options.samples)
-        picture, seconds, memory = denoise(device, images, options.repeats, options.quality, options.prefilter)
+        samples, windows = read_samples(options.data / f"{name}.exr", options.samples)
+        picture, seconds, memory = denoise(device, samples, options)
         write_picture(options.out / f"{name}.exr", picture, windows)
         cost["seconds"][name] = seconds
         cost["peak_mb"] = max(cost["peak_mb"], memory)

@@ -9,18 +9,8 @@
 #include "core/log.h"
 #include "core/signals.h"
 #include "core/threads.h"
-#include "core/waiting.h"
 
 namespace ld {
-namespace {
-
-void before_all_libraries(int, char** argv, char** environment) {
-  wait_passively(argv, environment);
-}
-__attribute__((section(".preinit_array"), used)) void (*const preinit)(int, char**,
-                                                                       char**) = before_all_libraries;
-
-}  // namespace
 
 Application::Application(std::string name, const std::string& description)
     : name_(std::move(name)), options_(description, name_) {

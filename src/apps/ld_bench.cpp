@@ -11,6 +11,7 @@
 #include "benchmark/loader.h"
 #include "benchmark/network_sweeps.h"
 #include "benchmark/render_speed.h"
+#include "benchmark/size_times.h"
 #include "benchmark/tradeoff.h"
 #include "core/file_io.h"
 #include "core/log.h"
@@ -27,12 +28,14 @@ struct Options {
   std::vector<std::string> files;
   ld::LoaderBench loader;
   ld::TradeoffOptions tradeoff;
+  std::vector<std::string> filters, assignments;  // of the trade-off
 };
 
 /// Pictures of 32x32 with 2 samples and one run each: whether everything works, not how fast.
 void make_quick(Options& options) {
   options.sizes.inference = options.sizes.training = 32;
   options.sizes.spp = 2;
+  options.sizes.pictures = {{32, 32}, {48, 33}};
   options.measure.repeats = 1;
   options.spp = {1, 8};
 }
@@ -49,12 +52,17 @@ void draw(const Options& options, const std::string& file, const Plot& plot) {
     ld::write_file_atomically(std::filesystem::path(options.out) / file, ld::to_svg(plot));
 }
 
+template <class Row>
+void add_names(const std::vector<Row>& rows, std::vector<std::string>& names) {
+  for (const Row& row : rows) names.push_back(row.name);
+}
+
 nlohmann::ordered_json run_rows(const Options& options, const std::vector<ld::RowSpec>& specs,
                                 const std::string& name, int threads) {
   const double sgemm = ld::sgemm_gflops(options.sizes.quick ? 256 : 2048, options.measure.repeats);
   spdlog::info("sgemm: {:.1f} GFLOP/s on {} threads", sgemm, threads);
-  const auto rows = ld::run_rows(specs, options.only, options.measure, sgemm);
-  publish(options, name + ".md", ld::markdown_rows(rows));
+  const auto rows = ld::run_rows(ld::chosen_rows(specs, options.only), options.measure, sgemm);
+  if (!rows.empty()) publish(options, name + ".md", ld::markdown_rows(rows));
   nlohmann::ordered_json json = {{"version", LD_VERSION},
                                  {"threads", threads},
                                  {"quick", options.sizes.quick},
@@ -67,28 +75,80 @@ nlohmann::ordered_json run_rows(const Options& options, const std::vector<ld::Ro
   return json;
 }
 
-void run_sweeps(const Options& options, nlohmann::ordered_json& json) {
+void run_sizes(const Options& options, const std::vector<ld::SizeRow>& rows, nlohmann::ordered_json& json) {
+  const auto chosen = ld::chosen_rows(rows, options.only);
+  if (chosen.empty()) return;
+  const ld::MachineSpeed machine = {
+      json.at("sgemm_gflops"),
+      ld::memory_gb_per_s(options.measure.repeats, int64_t(1) << (options.sizes.quick ? 20 : 25))};
+  json["memory_gb_per_s"] = machine.memory_gb_per_s;
+  std::vector<ld::SizeTime> times;
+  for (const ld::SizeRow& row : chosen) {
+    spdlog::info("{} ...", row.name);
+    times.push_back(ld::time_size(row, options.measure.repeats));
+  }
+  publish(options, "sizes.md", ld::markdown(times, machine));
+  json["sizes"] = ld::to_json(times, machine);
+}
+
+void run_cost(const Options& options, nlohmann::ordered_json& json) {
   const auto costs = ld::cost_by_samples(options.sizes, options.spp);
   publish(options, "cost.md", ld::markdown(costs, options.spp));
   draw(options, "cost.svg", ld::figure(costs, options.spp));
   json["cost"] = ld::to_json(costs, options.spp);
+}
 
+void run_stages(const Options& options, nlohmann::ordered_json& json) {
   const auto stages = ld::time_by_stage(options.sizes, options.measure.repeats);
   publish(options, "stages.md", ld::markdown(stages));
   draw(options, "stages.svg", ld::figure(stages));
   json["stages"] = ld::to_json(stages);
+}
 
+void run_samples(const Options& options, nlohmann::ordered_json& json) {
   const auto times = ld::time_by_samples(options.sizes, options.spp, options.measure.repeats);
   publish(options, "samples.md", ld::markdown(times));
   draw(options, "samples.svg", ld::figure(times));
   json["samples"] = ld::to_json(times);
 }
 
+/// A table of its own, which --only picks like a row.
+struct Sweep {
+  std::string name;
+  void (*run)(const Options&, nlohmann::ordered_json&);
+};
+std::vector<Sweep> sweeps() {
+  return {{"cost", run_cost}, {"stages", run_stages}, {"samples", run_samples}};
+}
+
+nlohmann::ordered_json run_network(const Options& options, int threads) {
+  const auto rows = ld::network_rows(options.sizes);
+  const auto sizes = ld::size_rows(options.sizes);
+  std::vector<std::string> names;
+  add_names(rows, names);
+  add_names(sizes, names);
+  add_names(sweeps(), names);
+  ld::check_only(options.only, names);
+  auto json = run_rows(options, rows, "network", threads);
+  run_sizes(options, sizes, json);
+  for (const Sweep& sweep : ld::chosen_rows(sweeps(), options.only)) sweep.run(options, json);
+  return json;
+}
+
+nlohmann::ordered_json run_ops(const Options& options, int threads) {
+  const auto rows = ld::operator_rows(options.sizes);
+  std::vector<std::string> names;
+  add_names(rows, names);
+  ld::check_only(options.only, names);
+  return run_rows(options, rows, "ops", threads);
+}
+
 struct Commands {
   CLI::App *ops, *network, *render, *loader, *config, *tradeoff;
 };
 
-void declare_tradeoff(CLI::App& command, ld::TradeoffOptions& tradeoff, std::string& out) {
+void declare_tradeoff(CLI::App& command, Options& options) {
+  ld::TradeoffOptions& tradeoff = options.tradeoff;
   command.fallthrough();
   command.add_option("--data", tradeoff.data, "data set")->required();
   command.add_option("--split", tradeoff.split, "which frames")->capture_default_str();
@@ -98,13 +158,17 @@ void declare_tradeoff(CLI::App& command, ld::TradeoffOptions& tradeoff, std::str
       command.add_option("--images", tradeoff.images,
                          "NAME=DIR: another denoiser's pictures of the same frames and its cost.json; may be "
                          "repeated (default: none)"));
+  ld::repeated(command.add_option("--filter", options.filters,
+                                  "eaw or svgf, or NAME= and one of them; may be repeated (default: none)"));
+  ld::repeated(command.add_option("--set", options.assignments,
+                                  "NAME.key=value for the filter of that name; may be repeated"));
   command.add_option("--metric", tradeoff.metric, "the error of the figure and of what counts as beaten")
       ->capture_default_str();
   command.add_option("--frames-limit", tradeoff.frames_limit, "only the first so many frames (default: all)");
   command.add_option("--repeats", tradeoff.repeats, "timed runs of each model on each frame")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--out", out,
+  command.add_option("--out", options.out,
                      "folder for tradeoff.md and tradeoff.svg (default: the table is printed, no more)");
 }
 
@@ -128,14 +192,15 @@ void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
 Commands declare(CLI::App& app, Options& options) {
   Commands commands;
   commands.ops = app.add_subcommand("ops", "each operator, forward and with its backward pass");
-  commands.network =
-      app.add_subcommand("network", "whole networks; then cost, time by stage and time by number of samples");
+  commands.network = app.add_subcommand(
+      "network",
+      "whole networks; the runtime on several sizes; cost, time by stage and by number of samples");
   commands.render = app.add_subcommand("render", "the path tracer against Embree alone on the same rays");
   commands.loader = app.add_subcommand("loader", "crops from a data set, and the making of their cache");
   declare_loader(*commands.loader, options.loader);
   commands.tradeoff =
       app.add_subcommand("tradeoff", "trained models on a data set: error against time and memory");
-  declare_tradeoff(*commands.tradeoff, options.tradeoff, options.out);
+  declare_tradeoff(*commands.tradeoff, options);
   commands.config = app.add_subcommand("config", "what the networks of training configurations cost");
   commands.config->add_option("files", options.files, "YAML configurations")->required();
   for (CLI::App* command : {commands.ops, commands.network, commands.render, commands.config}) {
@@ -151,7 +216,7 @@ Commands declare(CLI::App& app, Options& options) {
         "folder for the tables (.md) and figures (.svg) (default: tables are printed, no more)");
     ld::repeated(command->add_option(
         "--only", options.only,
-        "only this row; may be repeated; leaves out the rest of it all (default: all rows)"));
+        "only this row, or of network the table cost, stages or samples; may be repeated (default: all)"));
     command->add_option("--configs", options.sizes.configs, "folder of the networks' YAML files")
         ->capture_default_str();
   }
@@ -180,6 +245,10 @@ nlohmann::ordered_json run_rendering(const Options& options, int threads) {
 
 nlohmann::ordered_json run_tradeoff(Options& options, int threads) {
   options.tradeoff.threads = threads;
+  std::vector<std::string> assignments = options.assignments;
+  options.tradeoff.filters = ld::parse_filter_arguments(options.filters, assignments);
+  if (!assignments.empty())
+    ld::fail_command_line("--set {}: no --filter has that name; expected NAME.key=value", assignments[0]);
   const auto tradeoff = ld::measure_tradeoff(options.tradeoff);
   if (!tradeoff) {
     spdlog::warn("stopped before the last frame: nothing was written, because half a set would mislead");
@@ -212,10 +281,9 @@ int main(int argc, char** argv) {
     if (options.sizes.quick) make_quick(options);
     nlohmann::ordered_json json;
     if (commands.ops->parsed()) {
-      json = run_rows(options, ld::operator_rows(options.sizes), "ops", app.threads());
+      json = run_ops(options, app.threads());
     } else if (commands.network->parsed()) {
-      json = run_rows(options, ld::network_rows(options.sizes), "network", app.threads());
-      if (options.only.empty()) run_sweeps(options, json);
+      json = run_network(options, app.threads());
     } else if (commands.render->parsed()) {
       json = run_rendering(options, app.threads());
     } else if (commands.loader->parsed()) {

@@ -1,4 +1,4 @@
-// Denoises frames with trained weights: `ld_denoise --model FILE INPUT... --output FILE`.
+// Denoises frames with trained weights or a filter: `ld_denoise --model FILE INPUT... --output FILE`.
 
 #include <fmt/ranges.h>
 
@@ -13,25 +13,34 @@
 #include "import/recognise.h"
 #include "import/source_plan.h"
 #include "inference/denoise_job.h"
+#include "inference/denoiser.h"
+#include "sequence/movie_file.h"
 #include "weights/released.h"
 #include "weights/weight_file.h"
 
 namespace {
 
 struct Options {
-  std::string model = "common", output, noisy, frames, preset, mapping, camera, view;
-  std::vector<std::string> inputs, assignments, aovs, kernels_at;
+  std::string model = "common", filter, output, noisy, frames, preset, mapping, camera, view;
+  std::string alpha = "copy";
+  std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
+  std::string movie;
+  double frames_a_second = 24;
   int samples = 0;
   bool skip_existing = false, full_float = false, allow_identical = false;
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option(
-         "--model", o.model,
-         fmt::format("released weights ({}), a file of weights (.safetensors), checkpoint or run folder",
-                     fmt::join(ld::released_models(), ", ")))
-      ->capture_default_str();
+  auto* const model =
+      app.add_option(
+             "--model", o.model,
+             fmt::format("released weights ({}), a file of weights (.safetensors), checkpoint or run folder",
+                         fmt::join(ld::released_models(), ", ")))
+          ->capture_default_str();
+  app.add_option("--filter", o.filter, "instead of a model a denoiser without weights (docs/filters.md)")
+      ->check(CLI::IsMember(ld::filter_kinds()))
+      ->excludes(model);
   app.add_option(
          "inputs", o.inputs,
          "frames, or one frame's renders of other programs; #### in a name stands for a frame's number")
@@ -42,6 +51,11 @@ void declare(CLI::App& app, Options& o) {
   app.add_option(
       "--noisy", o.noisy,
       "also write the mean of the samples, of a single picture, here (.exr, .png; default: nowhere)");
+  app.add_option("--movie", o.movie,
+                 "then also make a film of the pictures (.mp4, .webm) by ffmpeg (default: none)");
+  app.add_option("--fps", o.frames_a_second, "frames a second of --movie")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
   app.add_option("--frames", o.frames, "A:B denoises frames A to B - 1 (default: all that there are)");
   app.add_option("--samples", o.samples, "only the first so many samples of each frame (default: all)")
       ->check(CLI::Range(1, 4096));
@@ -50,6 +64,14 @@ void declare(CLI::App& app, Options& o) {
                  "MB that the process may take, the samples of the input aside (default: no bound)")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
   app.add_flag("--float", o.full_float, "full floats in EXR (default: half)");
+  ld::repeated(
+      app.add_option("--also", o.also,
+                     "parts of the light whose names fit this (*, ?, [...]): each is filtered as the picture "
+                     "is and becomes a "
+                     "layer of its name, so that they still add up; may be repeated (default: none)"));
+  app.add_option("--alpha", o.alpha, "copy: the mean of the samples' alpha; filter: by the picture's kernels")
+      ->check(CLI::IsMember({"copy", "filter"}))
+      ->capture_default_str();
   ld::repeated(app.add_option("--aovs", o.aovs,
                               "EXR parts for looking, separated by commas, or repeated (default: none)"))
       ->delimiter(',')
@@ -62,8 +84,8 @@ void declare(CLI::App& app, Options& o) {
                              fmt::join(ld::preset_names(), ", ")));
   app.add_option("--mapping", o.mapping, "YAML file instead of a preset (docs/import.md)");
   ld::repeated(app.add_option("--set", o.assignments,
-                              "key.sub=value, on top of the preset or mapping; may be repeated; ld_inspect "
-                              "--keys mapping lists the keys"));
+                              "key.sub=value, on top of the preset or mapping, or FILTER.key=value; may be "
+                              "repeated; ld_inspect --keys mapping, eaw or svgf lists the keys"));
   app.add_option("--camera", o.camera,
                  "YAML file of the camera (docs/import.md; default: what the files say)");
   app.add_option("--view", o.view,
@@ -148,8 +170,9 @@ std::string model_for(const Options& o, const ld::DenoiseJob& job, const std::fi
   return "means";
 }
 
-ld::DenoiseJob job_of(const Options& o) {
+ld::DenoiseJob job_of(Options o) {
   ld::DenoiseJob job;
+  if (!o.filter.empty()) job.filter = ld::parse_filter_arguments({o.filter}, o.assignments).front();
   if (!o.preset.empty() && !o.mapping.empty()) ld::fail_command_line("expected either --preset or --mapping");
   for (const std::string& part : o.aovs)
     if (std::count(o.aovs.begin(), o.aovs.end(), part) > 1)
@@ -160,12 +183,14 @@ ld::DenoiseJob job_of(const Options& o) {
   const std::vector<std::string> inputs = without_results(o, ld::expand_names(o.inputs));
   const std::filesystem::path first = ld::first_file(inputs, range);
   job.render = render_input(o, first);
-  job.tasks = ld::plan_sequence(inputs, o.output, range, job.render.mapping.has_value());
-  job.model = ld::resolve_model(model_for(o, job, first));
-  job.max_memory_bytes = o.max_memory << 20;
+  job.render.also = o.also;
+  job.tasks = ld::plan_tasks(inputs, o.output, range, job.render.mapping.has_value());
+  if (!job.filter) job.model = ld::resolve_model(model_for(o, job, first));
+  job.max_memory_bytes = o.max_memory * ld::kBudgetMegabyte;
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;
+  job.filter_alpha = o.alpha == "filter";
   job.noisy = o.noisy;
   const auto wants = [&](const char* part) { return std::count(o.aovs.begin(), o.aovs.end(), part) > 0; };
   job.layers = wants("layers");
@@ -186,20 +211,31 @@ void tell_what_is_done(const ld::DenoiseJob& job, const ld::DenoiseReport& repor
       report.failed.empty() ? "" : fmt::format(", {} failed", report.failed.size()));
 }
 
+void make_film(const Options& o, const ld::DenoiseJob& job) {
+  if (o.movie.empty()) return;
+  const std::filesystem::path film =
+      ld::write_movie(o.movie, o.frames_a_second, job.tasks.size(),
+                      [&](size_t i) { return ld::read_shown_picture(job.tasks[i].output); });
+  spdlog::info("{} pictures in {}", job.tasks.size(), film.string());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  ld::Application app("ld_denoise", "Denoises frames of samples with trained weights.");
+  ld::Application app("ld_denoise", "Denoises frames of samples with trained weights or a filter.");
   declare(app.options(), options);
   app.options().footer(
       "Examples:\n"
       "  ld_denoise 'render_*.exr' --output denoised.exr\n"
+      "  ld_denoise --filter svgf 'shot.####.exr' --output 'denoised.####.exr'\n"
       "  ld_denoise --model out/run 'shot.####.exr' --frames 1:25 --output 'denoised.####.exr'");
   return app.run(argc, argv, [&] {
     ld::DenoiseJob job = job_of(options);
     job.threads = app.threads();
-    std::vector<std::filesystem::path> outputs = {options.noisy}, to_write = {options.noisy, app.json_path()},
+    if (!options.movie.empty()) ld::require_movie_name("--movie", options.movie);
+    std::vector<std::filesystem::path> outputs = {options.noisy, options.movie},
+                                       to_write = {options.noisy, options.movie, app.json_path()},
                                        inputs = {job.model, options.mapping, options.camera};
     for (const ld::DenoiseTask& task : job.tasks) {
       outputs.push_back(task.output);
@@ -223,5 +259,6 @@ int main(int argc, char** argv) {
           "{} of {} frames failed, the first {}; the others are done, and --skip-existing does only what is "
           "left",
           report.failed.size(), job.tasks.size(), report.failed[0]);
+    make_film(options, job);
   });
 }

@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "export/model_card.h"
 #include "export/onnx_export.h"
+#include "export/quantised_export.h"
 #include "export/safetensors_export.h"
 #include "ops/runtime.h"
 #include "weights/weight_file.h"
@@ -22,12 +23,27 @@ void report(const std::string& what, const ld::Parity& parity) {
                parity.largest_relative_difference, parity.tolerance);
 }
 
+/// Weights of convolutions in 8 bits, without LibTorch.
+ld::Metadata export_int8(const ld::QuantisedExport& options, nlohmann::ordered_json& json) {
+  const ld::QuantisedResult result = ld::export_quantised(options);
+  const ld::QuantisedMeasure& found = result.measure;
+  spdlog::info("{} written", options.out.string());
+  spdlog::info(
+      "on {} validation frames: SMAPE {:.5f} as i8, {:.5f} as f32, {:+.2f} % (allowed {:+.2f} %); {:.1f} ms "
+      "a "
+      "frame as i8, {:.1f} as f32, {:.2f} of it",
+      found.frames, found.smape_int8, found.smape_float32, 100 * (found.smape_ratio() - 1),
+      100 * options.allowed, found.ms_a_frame_int8, found.ms_a_frame_float32, found.time_ratio());
+  json["validation"] = ld::to_json(found);
+  return result.metadata;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string model, untrained, format, out, dtype, check_data, card;
+  std::string model, untrained, format, out, dtype, calibrate, check_data, card;
   std::vector<std::filesystem::path> frames;
-  double allowed = ld::kOnnxTolerance;
+  std::optional<double> allowed;
   ld::Application app(
       "ld_export", "Exports a network to one deployable file and measures what that changes in its output.");
   CLI::App& options = app.options();
@@ -42,10 +58,14 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"safetensors", "onnx"}));
   options.add_option("--out", out, "file to write (.safetensors or .onnx, as --format says)")->required();
   options
-      .add_option("--dtype", dtype,
-                  "number format of the weights: f16 (half the size) or f32 (every bit) (default: f16 for "
-                  "safetensors, f32 for onnx)")
-      ->check(CLI::IsMember({"f16", "f32"}));
+      .add_option(
+          "--dtype", dtype,
+          "number format of the weights: f16 (half the size), f32 (every bit) or i8 (convolutions in 8 "
+          "bits, faster; needs --calibrate) (default: f16 for safetensors, f32 for onnx)")
+      ->check(CLI::IsMember({"f16", "f32", "i8"}));
+  options.add_option("--calibrate", calibrate,
+                     "data set that --dtype i8 is calibrated (training split) and measured on (validation "
+                     "split): a folder with manifest.json");
   ld::repeated(options.add_option(
       "--check-frame", frames,
       "frame (.exr) to measure the differences on, besides three random pictures; may be repeated (default: "
@@ -55,50 +75,64 @@ int main(int argc, char** argv) {
       "also write those pictures and the network's output for them, as safetensors (default: nowhere)");
   options
       .add_option("--allowed", allowed,
-                  "largest relative difference between the ONNX graph and the C++ network")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+                  "largest relative difference between the ONNX graph and the C++ network (default: 0.0001); "
+                  "with --dtype i8, how much larger than in float32 the SMAPE may be (default: 0.01)")
+      ->check(CLI::Range(0.0, 1.0));
   options.add_option("--card", card, "also write a page about the file for people (.md; default: nowhere)");
   options.footer(
       "Examples:\n"
       "  ld_export --model out/run --format safetensors --out denoiser.safetensors\n"
+      "  ld_export --model out/run --format safetensors --dtype i8 --calibrate out/quickstart/data --out "
+      "fast.safetensors\n"
       "  ld_export --model out/run --format onnx --dtype f16 --out denoiser.onnx");
 
   return app.run(argc, argv, [&] {
     if (model.empty() == untrained.empty()) ld::fail_command_line("give --model or --untrained");
+    const bool int8 = dtype == "i8";
+    if (int8 != !calibrate.empty()) ld::fail_command_line("--dtype i8 and --calibrate go together");
+    if (int8 && (format != "safetensors" || model.empty() || !frames.empty() || !check_data.empty()))
+      ld::fail_command_line(
+          "--dtype i8 is for --model and --format safetensors, without --check-frame and --check-data");
     ld::require_extension("--out", out, {format == "onnx" ? ".onnx" : ".safetensors"});
     ld::require_extension("--check-data", check_data, {".safetensors"});
     ld::require_extension("--card", card, {".md"});
     ld::require_writable({out, check_data, card, app.json_path()});
     std::vector<std::filesystem::path> inputs_read = frames;
-    inputs_read.insert(inputs_read.end(), {model, untrained});
+    inputs_read.insert(inputs_read.end(), {model, untrained, calibrate});
     if (!model.empty()) inputs_read.push_back(ld::resolve_model(model));
     app.refuse_overwriting({out, check_data, card}, inputs_read);
     ld::configure_runtime(app.threads());
     if (dtype.empty()) dtype = format == "onnx" ? "f32" : "f16";
-    const ld::DType type = dtype == "f16" ? ld::DType::f16 : ld::DType::f32;
-    const ld::ExportSource source =
-        untrained.empty() ? ld::load_source(model) : ld::untrained_source(untrained, app.seed().value_or(1));
-    const std::vector<ld::NetworkInput> inputs = ld::parity_inputs(source.network->config(), frames);
-
     ld::Metadata metadata;
     nlohmann::ordered_json json = {{"file", out}, {"format", format}, {"dtype", dtype}};
-    if (format == "onnx") {
-      const ld::OnnxExport result = ld::export_onnx(source, out, type, inputs, allowed);
-      spdlog::info("{} written: {} nodes, weights as {}", out, result.nodes, dtype);
-      report("weights as " + dtype, result.weights);
-      report("ONNX graph and C++ network", result.graph);
-      metadata = ld::export_metadata(source, type, result.weights, &result.graph, inputs.size());
-      json["rounded_weights"] = to_json(result.weights);
-      json["onnx"] = to_json(result.graph);
+    if (int8) {
+      metadata = export_int8(
+          {model, calibrate, out, allowed.value_or(ld::kQuantisedTolerance), app.threads()}, json);
     } else {
-      const ld::Parity parity = ld::export_safetensors(source, out, type, inputs);
-      spdlog::info("{} written", out);
-      report("weights as " + dtype, parity);
-      metadata = ld::export_metadata(source, type, parity, nullptr, inputs.size());
-      json["rounded_weights"] = to_json(parity);
+      const ld::DType type = dtype == "f16" ? ld::DType::f16 : ld::DType::f32;
+      const ld::ExportSource source = untrained.empty()
+                                          ? ld::load_source(model)
+                                          : ld::untrained_source(untrained, app.seed().value_or(1));
+      const std::vector<ld::NetworkInput> inputs = ld::parity_inputs(source.network->config(), frames);
+
+      if (format == "onnx") {
+        const ld::OnnxExport result =
+            ld::export_onnx(source, out, type, inputs, allowed.value_or(ld::kOnnxTolerance));
+        spdlog::info("{} written: {} nodes, weights as {}", out, result.nodes, dtype);
+        report("weights as " + dtype, result.weights);
+        report("ONNX graph and C++ network", result.graph);
+        metadata = ld::export_metadata(source, type, result.weights, &result.graph, inputs.size());
+        json["rounded_weights"] = to_json(result.weights);
+        json["onnx"] = to_json(result.graph);
+      } else {
+        const ld::Parity parity = ld::export_safetensors(source, out, type, inputs);
+        spdlog::info("{} written", out);
+        report("weights as " + dtype, parity);
+        metadata = ld::export_metadata(source, type, parity, nullptr, inputs.size());
+        json["rounded_weights"] = to_json(parity);
+      }
+      if (!check_data.empty()) ld::write_check_data(check_data, source, type, inputs);
     }
-    if (!check_data.empty()) ld::write_check_data(check_data, source, type, inputs);
     if (!card.empty())
       ld::write_file_atomically(card,
                                 ld::model_card(std::filesystem::path(out).filename().string(), metadata));

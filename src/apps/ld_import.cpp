@@ -18,7 +18,7 @@ namespace {
 
 struct Options {
   std::string preset, mapping, camera, view, reference, frame;
-  std::vector<std::string> assignments, files;
+  std::vector<std::string> assignments, files, also;
   ld::DataSetPlace place;
   std::string from_hdf5, to_hdf5, depth = "linear";
   bool allow_identical = false, print_mapping = false;
@@ -39,6 +39,9 @@ void declare(CLI::App& app, Options& o) {
                  "YAML file of the camera (docs/import.md; default: what the files say)");
   app.add_option("--view", o.view,
                  "of files with several views, such as left and right (default: the first)");
+  ld::repeated(app.add_option("--also", o.also,
+                              "parts of the light whose names fit this (*, ?, [...]) become layers of the "
+                              "frame (docs/import.md); may be repeated (default: none)"));
   app.add_option("--reference", o.reference, "the converged picture, in the same layout");
   app.add_option("--out", o.place.folder, "folder of the data set to add to");
   app.add_option("--name", o.place.name, "name of the frame in the data set");
@@ -88,9 +91,11 @@ void check(const Options& o) {
     if (o.place.folder.empty() || o.reference.empty() || (o.place.name.empty() && o.to_hdf5.empty()))
       ld::fail_command_line(
           "HDF5 needs --out, --reference and, to read it, --name, which the names of frames begin with");
-    if (!o.files.empty() || !o.preset.empty() || !o.mapping.empty() || !o.frame.empty() || !o.view.empty())
+    if (!o.files.empty() || !o.preset.empty() || !o.mapping.empty() || !o.frame.empty() || !o.view.empty() ||
+        !o.also.empty())
       ld::fail_command_line(
-          "HDF5 files have one layout: no preset, mapping, --view, --frame or other files go with them");
+          "HDF5 files have one layout: no preset, mapping, --view, --also, --frame or other files go with "
+          "them");
     need_split(o);
     return;
   }
@@ -204,7 +209,7 @@ int main(int argc, char** argv) {
     if (!options.camera.empty()) camera = ld::read_camera(options.camera);
 
     const ld::ImportedFrame imported = ld::import_frame({options.files.begin(), options.files.end()}, mapping,
-                                                        camera, options.allow_identical);
+                                                        camera, options.allow_identical, options.also);
     mapping.view = imported.view;  // of the reference, too
     const ld::Frame& frame = imported.frame;
     const std::string target = alone ? options.frame : options.place.name;
@@ -221,6 +226,8 @@ int main(int argc, char** argv) {
     spdlog::info("{}: {} x {} pixels, {} samples; holds {}{}; absent {}", target, frame.width, frame.height,
                  frame.spp, fmt::join(frame.features, ", "), frame.alpha.empty() ? "" : ", alpha",
                  fmt::join(absent, ", "));
+    for (const ld::LightPart& part : frame.parts)
+      spdlog::info("{}: holds the part '{}' of the light", target, part.name);
     if (!imported.unused.empty())
       spdlog::info("{}: channels that no feature took: {}; --set FEATURE.channels=[...] names them", target,
                    fmt::join(imported.unused, ", "));

@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
       ld::fail_command_line("--views and --probe go with --scene; a recipe has frames and scene_file.probe");
     const ld::Recipe recipe = scene.empty() ? ld::read_recipe(recipe_path, overrides, app.seed())
                                             : ld::scene_recipe(scene, probe, views, overrides, app.seed());
-    const auto [begin, end] = ld::parse_frame_range(range, recipe.frame_count());
+    const auto [begin, end] = ld::frames_of_recipe(range, recipe.frame_count());
     if (folder.empty() == preview.empty())
       ld::fail_command_line("expected --out DIR for a data set, or --preview FILE.png for a contact sheet");
     if (!preview.empty()) {

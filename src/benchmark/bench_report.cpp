@@ -10,19 +10,19 @@
 
 namespace ld {
 
-std::vector<BenchRow> run_rows(const std::vector<RowSpec>& specs, const std::vector<std::string>& only,
-                               const MeasureOptions& options, double sgemm_gflops) {
-  std::vector<std::string> names;
-  for (const RowSpec& spec : specs) names.push_back(spec.name);
+void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names) {
   for (const std::string& name : only)
     if (std::find(names.begin(), names.end(), name) == names.end()) {
       const std::string near = nearest_word(name, names);
       fail_usage("--only {}: no such row{}; choose from {}", name,
                  near.empty() ? "" : fmt::format(", did you mean {}?", near), fmt::join(names, ", "));
     }
+}
+
+std::vector<BenchRow> run_rows(const std::vector<RowSpec>& specs, const MeasureOptions& options,
+                               double sgemm_gflops) {
   std::vector<BenchRow> rows;
   for (const RowSpec& spec : specs) {
-    if (!only.empty() && std::find(only.begin(), only.end(), spec.name) == only.end()) continue;
     spdlog::info("{} ...", spec.name);
     const Workload workload = spec.make();
     BenchRow row{spec.name, measure_against_composition(workload, options), workload.multiply_adds, 0};

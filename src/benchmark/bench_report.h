@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,22 @@ struct BenchRow {
   double sgemm_share = 0;  // 2 * multiply_adds / time, of what sgemm reached in the same run
 };
 
-/// Times the rows one after the other, those named in `only` (all where that is empty). Throws UsageError,
-/// before anything runs, when `only` names a row that is not there.
-std::vector<BenchRow> run_rows(const std::vector<RowSpec>& specs, const std::vector<std::string>& only,
-                               const MeasureOptions& options, double sgemm_gflops);
+/// Those of the rows that `only` names; all where that is empty.
+template <class Row>
+std::vector<Row> chosen_rows(std::vector<Row> rows, const std::vector<std::string>& only) {
+  const auto left_out = [&](const Row& row) {
+    return !only.empty() && std::find(only.begin(), only.end(), row.name) == only.end();
+  };
+  rows.erase(std::remove_if(rows.begin(), rows.end(), left_out), rows.end());
+  return rows;
+}
+
+/// Throws UsageError when `only` names a row that is not there.
+void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names);
+
+/// Times the rows one after the other.
+std::vector<BenchRow> run_rows(const std::vector<RowSpec>& specs, const MeasureOptions& options,
+                               double sgemm_gflops);
 
 /// {"name", "ms", "baseline_ms", "speedup", "sgemm_share", "peak_mb", "baseline_peak_mb", "repeats",
 ///  "baseline_repeats", "multiply_adds"}; where the composition takes slices of the logits, also

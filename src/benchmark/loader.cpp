@@ -17,6 +17,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/log.h"
+#include "core/process/process_memory.h"
 #include "core/text_table.h"
 #include "losses/loss.h"
 #include "models/initialise.h"
@@ -75,7 +76,7 @@ nlohmann::ordered_json load_epochs(const TrainConfig& config, int64_t epochs) {
   TrainingSet set = make_training_set(config);
   int64_t step = 0;
   for (int64_t epoch = 0; epoch < epochs; ++epoch) {
-    const double mb_before = resident_memory_mb(), wall = wall_seconds(), cpu = cpu_seconds();
+    const double mb_before = double(resident_bytes()) / 1e6, wall = wall_seconds(), cpu = cpu_seconds();
     const double rise = peak_memory_mb([&] {
       for (int64_t i = 0; i < set.batches_per_epoch(); ++i) set.batch(step++);
     });
@@ -83,7 +84,7 @@ nlohmann::ordered_json load_epochs(const TrainConfig& config, int64_t epochs) {
     rows.push_back({{"batch_ms", 1e3 * (wall_seconds() - wall) / steps},
                     {"batch_cpu_ms", 1e3 * (cpu_seconds() - cpu) / steps},
                     {"mb_before", mb_before},
-                    {"mb_after", resident_memory_mb()},
+                    {"mb_after", double(resident_bytes()) / 1e6},
                     {"peak_mb", mb_before + rise}});
   }
   return rows;

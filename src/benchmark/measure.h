@@ -11,8 +11,10 @@ namespace ld {
 /// What is timed: the operators of the library, or, under ComposedOperators, their LibTorch composition.
 struct Workload {
   std::function<void()> run;
-  double multiply_adds = 0;       // of one run
-  Taps baseline = Taps::at_once;  // how the composition is written (ops/composition.h)
+  double multiply_adds = 0;                // of one run
+  Taps baseline = Taps::at_once;           // how the composition is written (ops/composition.h)
+  std::function<void()> composition = {};  // where it is other work than `run`
+  double held_mb = 0;  // what `run` holds from call to call, on top of which its peak comes
 };
 
 struct MeasureOptions {
@@ -39,6 +41,11 @@ double median(std::vector<double> values);
 
 /// The median of `repeats` runs after a warm-up, in ms.
 double median_ms(const std::function<void()>& work, int repeats);
+
+/// GB/s that all threads move in a = b + 3 c over arrays of 128 MB, as McCalpin's STREAM counts them (three
+/// passes; what is read before it is written does not count): the median of `repeats`. `floats` of each array
+/// for a quick test.
+double memory_gb_per_s(int repeats, int64_t floats = int64_t(1) << 25);
 
 /// GFLOP/s of a float32 matrix product of side `size`, two operations a multiply-add: the median of
 /// `repeats`.

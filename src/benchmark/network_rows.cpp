@@ -1,3 +1,4 @@
+#include "benchmark/planned_network.h"
 #include "benchmark/workloads.h"
 #include "frame/schema.h"
 #include "losses/loss.h"
@@ -32,13 +33,14 @@ std::shared_ptr<Network> bench_network(const NetworkConfig& config) {
 
 Workload inference_workload(const NetworkConfig& config, int64_t spp, int64_t side) {
   torch::manual_seed(1);
-  const auto network = bench_network(config);
-  const NetworkInput input = bench_input(config, spp, side);
-  const auto run = [network, input] {
+  const auto planned =
+      std::make_shared<PlannedNetwork>(bench_weights(config), PictureExtent{spp, side, side});
+  const auto composition = [network = bench_network(config), input = bench_input(config, spp, side)] {
     const c10::InferenceMode no_graph;
     network->forward(input);
   };
-  return {run, multiply_adds(config, spp, side, side).total()};
+  return {[planned] { planned->run(); }, planned->multiply_adds(), Taps::at_once, composition,
+          1e-6 * double(planned->execution().memory_bytes())};
 }
 
 Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t side) {

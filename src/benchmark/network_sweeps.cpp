@@ -1,71 +1,66 @@
 #include "benchmark/network_sweeps.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <array>
+#include <variant>
 
 #include "benchmark/peak_memory.h"
-#include "core/error.h"
+#include "benchmark/planned_network.h"
 #include "core/log.h"
-#include "core/text_table.h"
+#include "graph/extent.h"
 #include "models/graphs/network_cost.h"
-#include "models/sample_partitioner.h"
-#include "models/sample_reducer.h"
-#include "models/unet.h"
-#include "ops/partition.h"
-#include "ops/weighted_sum.h"
+#include "models/graphs/network_graph.h"
 
 namespace ld {
 namespace {
 
-using torch::Tensor;
-
 constexpr int64_t kPublishedSpp = 8;
 
-/// The module of the network that has this name.
-template <class Module>
-Module& child(Network& network, const char* name) {
-  const auto found = std::dynamic_pointer_cast<Module>(network.named_children()[name]);
-  if (!found) fail("stages of network {}: its module '{}' is of another kind", network.config().name, name);
-  return *found;
-}
+/// The part of a layered network that a node belongs to, by its place among kStages.
+constexpr std::array<const char*, 4> kStages = {"reducer", "U-net", "partitioner", "layer filtering"};
+
+struct StageOf {
+  const graph::Graph& graph;
+  const graph::Node& node;
+
+  template <class Op>
+  size_t operator()(const Op&) const {
+    return 3;
+  }
+  size_t operator()(const graph::Encode&) const { return 0; }
+  size_t operator()(const graph::MaskedMean&) const { return 1; }
+  size_t operator()(const graph::Pad&) const { return 1; }
+  size_t operator()(const graph::Convolution&) const { return 1; }
+  size_t operator()(const graph::MaxPool&) const { return 1; }
+  size_t operator()(const graph::Upsample&) const { return graph[node.outputs[0]].padded ? 1 : 3; }
+  size_t operator()(const graph::Partition&) const { return 2; }
+  size_t operator()(const graph::FullyConnected& op) const {
+    return op.weights == "sample_reducer" ? 0 : op.weights == "sample_partitioner" ? 2 : 3;
+  }
+};
 
 NetworkStages stages_of(const BenchSizes& sizes, const std::string& name, int repeats) {
-  const auto network = bench_network(bench_config(sizes, name));
-  const NetworkConfig& config = network->config();
-  const NetworkInput input = bench_input(config, sizes.spp, sizes.inference);
-  auto& reducer = child<SampleReducer>(*network, "sample_reducer");
-  auto& unet = child<UNet>(*network, "unet");
-  auto& partitioner = child<SamplePartitioner>(*network, "sample_partitioner");
-  const c10::InferenceMode no_graph;
-
-  std::vector<double> reducing, context_making, partitioning, all;
-  for (int i = 0; i <= repeats; ++i) {  // the first is the warm-up
-    Tensor embedding, context;
-    const double reducer_ms = time_ms([&] { embedding = reducer.forward(input.features); });
-    const double unet_ms = time_ms([&] { context = unet.forward(masked_mean(embedding, input.valid)); });
-    const double partition_ms = time_ms([&] {
-      partition(partitioner.forward(embedding, context), input.valid, input.radiance, embedding,
-                config.compositing == "alpha" ? Compositing::alpha : Compositing::weighted);
-    });
-    embedding.reset();
-    const double all_ms = time_ms([&] { network->forward(input); });
-    if (i == 0) continue;
-    reducing.push_back(reducer_ms);
-    context_making.push_back(unet_ms);
-    partitioning.push_back(partition_ms);
-    all.push_back(all_ms);
+  PlannedNetwork network(bench_weights(bench_config(sizes, name)),
+                         {sizes.spp, sizes.inference, sizes.inference});
+  network.run();
+  std::array<std::vector<double>, kStages.size()> times;
+  std::array<double, kStages.size()> cost = {};
+  const graph::Graph& graph = network.graph();
+  for (int i = 0; i < repeats; ++i) {
+    network.run();
+    for (auto& stage : times) stage.push_back(0);
+    for (size_t n = 0; n < graph.nodes.size(); ++n)
+      times[std::visit(StageOf{graph, graph.nodes[n]}, graph.nodes[n].op)].back() +=
+          1e3 * network.execution().seconds()[n];
   }
-  const NetworkCost cost = multiply_adds(config, sizes.spp, sizes.inference, sizes.inference);
+  for (const graph::Node& node : graph.nodes) {
+    const graph::NodeCost of_node = cost_of(graph, node, network.execution().picture());
+    cost[std::visit(StageOf{graph, node}, node.op)] += of_node.weights + of_node.taps;
+  }
+  NetworkStages result{name, {}};
   const double pixels = double(sizes.inference * sizes.inference);
-  NetworkStages result{name,
-                       {{"reducer", median(reducing), cost.reducer / pixels},
-                        {"U-net", median(context_making), cost.unet / pixels},
-                        {"partitioner", median(partitioning), cost.partitioner / pixels}}};
-  double rest = median(all);
-  for (const StageTime& stage : result.stages) rest -= stage.ms;
-  result.stages.push_back(
-      {"layer filtering", std::max(rest, 0.0), (cost.kernel_generator + cost.filtering) / pixels});
+  for (size_t i = 0; i < kStages.size(); ++i)
+    result.stages.push_back({kStages[i], median(times[i]), cost[i] / pixels});
   return result;
 }
 
@@ -76,7 +71,8 @@ std::vector<SampleTime> time_by_samples(const BenchSizes& sizes, const std::vect
   const NetworkConfig config = bench_config(sizes, "layer");
   const auto time = [&](int64_t count) {
     spdlog::info("layer network at {} samples a pixel ...", count);
-    return median_ms(inference_workload(config, count, sizes.inference).run, repeats);
+    PlannedNetwork network(bench_weights(config), {count, sizes.inference, sizes.inference});
+    return median_ms([&] { network.run(); }, repeats);
   };
   std::vector<SampleTime> times;
   for (const int64_t count : spp) times.push_back({count, time(count), 0});
@@ -114,10 +110,10 @@ nlohmann::ordered_json measure_network(const std::string& file, const BenchSizes
   const double inference_ms = median_ms(inference.run, repeats),
                training_ms = median_ms(training.run, repeats);
   return {{"config", file},
-          {"parameters", parameter_count(*make_network_shapes(config))},
+          {"parameters", graph::parameter_count(network_graph(config))},
           {"multiply_adds_per_pixel", inference.multiply_adds / double(sizes.inference * sizes.inference)},
           {"inference_ms", inference_ms},
-          {"inference_peak_mb", peak_memory_mb(inference.run)},
+          {"inference_peak_mb", inference.held_mb + peak_memory_mb(inference.run)},
           {"training_ms", training_ms},
           {"training_peak_mb", peak_memory_mb(training.run)}};
 }

@@ -1,5 +1,5 @@
-// What ld_bench network shows beside its rows: time by the number of samples, multiply-adds by the number of
-// samples ([MH20] figure 10), time by stage ([MH20] table 3).
+// What ld_bench network shows beside its rows, of networks in the runtime: time by the number of samples,
+// multiply-adds by the number of samples ([MH20] figure 10), time by stage ([MH20] table 3).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -27,7 +27,8 @@ struct NetworkCosts {
 };
 std::vector<NetworkCosts> cost_by_samples(const BenchSizes& sizes, const std::vector<int64_t>& spp);
 
-/// Time of one stage of a network's inference, and its share of the multiply-adds a pixel.
+/// Time of one stage of a network with layers, and its part of the multiply-adds a pixel. The reducer's has
+/// the encoding of features, the U-net's the mean of the embeddings, the partitioner's the sums of layers.
 struct StageTime {
   std::string stage;
   double ms, multiply_adds;

@@ -11,7 +11,4 @@ namespace ld {
 /// it.
 double peak_memory_mb(const std::function<void()>& work);
 
-/// The resident memory of this process now, MB.
-double resident_memory_mb();
-
 }  // namespace ld

@@ -1,6 +1,8 @@
 #include "benchmark/tradeoff.h"
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 
 #include "benchmark/measure.h"
 #include "benchmark/peak_memory.h"
@@ -13,6 +15,7 @@
 #include "evaluation/data_set.h"
 #include "evaluation/evaluator.h"
 #include "evaluation/image_folder.h"
+#include "inference/filter_method.h"
 #include "inference/model_method.h"
 #include "metrics/metric.h"
 
@@ -35,25 +38,44 @@ double peak_of(const std::filesystem::path& folder, int threads) {
   }
 }
 
-/// Times all models on each frame in turns; false when a stop was asked for.
-bool time_models(const FrameSet& frames, const std::vector<LoadedModel>& models, int repeats,
-                 Tradeoff& tradeoff) {
+/// What is timed: denoises a frame; `afresh` does so with all that it has to load and keep.
+struct TimedMethod {
+  std::function<void(const Frame&)> denoise, afresh;
+};
+
+TimedMethod timed(const LoadedModel& model) {
+  return {[model](const Frame& frame) { denoise(model, frame); },
+          [model](const Frame& frame) { denoise(load_model(model.argument, model.threads), frame); }};
+}
+
+/// With the history of the calls before, as in a sequence.
+TimedMethod timed(const FilterArgument& argument, int threads) {
+  const auto filter = std::make_shared<FrameFilter>(argument);
+  const auto state = std::make_shared<SequenceState>();
+  return {[=](const Frame& frame) { filter->denoise(frame, *state, threads); },
+          [=](const Frame& frame) {
+            SequenceState own;
+            FrameFilter(argument).denoise(frame, own, threads);
+          }};
+}
+
+/// Times all on each frame in turns; false when a stop was asked for.
+bool time_methods(const FrameSet& frames, const std::vector<TimedMethod>& methods, int repeats,
+                  Tradeoff& tradeoff) {
   Progress progress("timing", int64_t(frames.count));
   for (size_t i = 0; i < frames.count; ++i) {
     const EvaluationFrame frame = frames.load(i);
-    std::vector<std::vector<double>> times(models.size());
+    std::vector<std::vector<double>> times(methods.size());
     for (int repeat = 0; repeat <= repeats; ++repeat)
-      for (size_t m = 0; m < models.size(); ++m) {
+      for (size_t m = 0; m < methods.size(); ++m) {
         if (stop_requested()) return false;
-        const double ms = time_ms([&] { denoise(models[m], frame.frame); });
+        const double ms = time_ms([&] { methods[m].denoise(frame.frame); });
         if (repeat > 0) times[m].push_back(ms);  // the first warms up
       }
-    for (size_t m = 0; m < models.size(); ++m) {
+    for (size_t m = 0; m < methods.size(); ++m) {
       TradeoffPoint& point = tradeoff.points[m];
       point.ms += median(times[m]) / double(frames.count);
-      const double peak =
-          peak_memory_mb([&] { denoise(load_model(models[m].argument, models[m].threads), frame.frame); });
-      point.peak_mb = std::max(point.peak_mb, peak);
+      point.peak_mb = std::max(point.peak_mb, peak_memory_mb([&] { methods[m].afresh(frame.frame); }));
     }
     progress.advance();
   }
@@ -70,7 +92,7 @@ std::vector<double> means(const MethodScores& method) {
 
 std::optional<Tradeoff> measure_tradeoff(const TradeoffOptions& options) {
   find_metric(options.metric);
-  if (options.models.empty() && options.images.empty())
+  if (options.models.empty() && options.filters.empty() && options.images.empty())
     fail_usage("ld_bench tradeoff: nothing to measure; give --model NAME=FILE, once for each model");
   std::vector<std::string> features = {"radiance"};
   const std::vector<LoadedModel> models =
@@ -79,9 +101,17 @@ std::optional<Tradeoff> measure_tradeoff(const TradeoffOptions& options) {
 
   Tradeoff tradeoff;
   std::vector<Method> methods;
+  std::vector<TimedMethod> timed_methods;
   const Frame first = frames.load(0).frame;
-  for (const LoadedModel& model : models) methods.push_back(method_of(model, cost_of(model, first)));
-  tradeoff.points.resize(models.size());
+  for (const LoadedModel& model : models) {
+    methods.push_back(method_of(model, cost_of(model, first)));
+    timed_methods.push_back(timed(model));
+  }
+  for (const FilterArgument& filter : options.filters) {
+    methods.push_back(filter_method(filter, options.threads));
+    timed_methods.push_back(timed(filter, options.threads));
+  }
+  tradeoff.points.resize(methods.size());
   for (const ModelArgument& folder : parse_named_arguments("--images", "oidn=out/oidn", options.images)) {
     methods.push_back(image_folder_method(folder.name, folder.file, frames.names));
     tradeoff.points.emplace_back();
@@ -92,7 +122,7 @@ std::optional<Tradeoff> measure_tradeoff(const TradeoffOptions& options) {
   EvaluatorOptions evaluator;
   evaluator.threads = options.threads;
   const std::optional<Evaluation> scored = evaluate(frames, methods, evaluator);
-  if (!scored || !time_models(frames, models, options.repeats, tradeoff)) return std::nullopt;
+  if (!scored || !time_methods(frames, timed_methods, options.repeats, tradeoff)) return std::nullopt;
   tradeoff.data = options.data.string();
   tradeoff.split = options.split;
   tradeoff.metric = options.metric;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "filters/frame_filter.h"
 #include "plot/svg_scatter.h"
 
 namespace ld {
@@ -16,7 +17,8 @@ namespace ld {
 struct TradeoffOptions {
   std::filesystem::path data;
   std::string split = "test";
-  std::vector<std::string> models;  // NAME=FILE: weights, checkpoint or run
+  std::vector<std::string> models;      // NAME=FILE: weights, checkpoint or run
+  std::vector<FilterArgument> filters;  // denoisers without weights
   /// NAME=DIR: pictures that another program made of the same frames, FRAME.exr, and its cost.json:
   /// {"program", "threads", "peak_mb", "seconds": {FRAME: s, ...}}
   std::vector<std::string> images;

@@ -12,7 +12,7 @@ namespace {
 /// Lower is better in all of them.
 std::vector<double> costs(const TradeoffPoint& point, size_t metric) {
   const double score = point.scores[metric];
-  return {metrics()[metric].lower_is_better ? score : -score, point.ms, point.peak_mb};
+  return {metrics()[metric].best == Best::lowest ? score : -score, point.ms, point.peak_mb};
 }
 
 bool beats(const std::vector<double>& a, const std::vector<double>& b) {
@@ -72,7 +72,9 @@ std::string markdown(const Tradeoff& tradeoff) {
          fmt::format(
              "\nMeans over {} frames of {}x{} at {} spp ({}, {}); {} threads. Unbeaten: no other model is at "
              "least as good in {}, time and memory and better in one; other programs are the point to "
-             "beat.\n",
+             "beat. Times begin with the samples in memory: ours count the encoding, those of other programs "
+             "are what their cost.json says. Ours take turns; scripts/speed.sh takes turns with Open Image "
+             "Denoise, too.\n",
              tradeoff.frames, tradeoff.width, tradeoff.height, tradeoff.spp, tradeoff.data, tradeoff.split,
              tradeoff.threads, find_metric(tradeoff.metric).title);
 }
@@ -83,7 +85,7 @@ ScatterPlot figure(const Tradeoff& tradeoff) {
   ScatterPlot plot;
   plot.title = fmt::format("{} against time and memory, {} frames of {}x{}, {} spp", metric.title,
                            tradeoff.frames, tradeoff.width, tradeoff.height, tradeoff.spp);
-  plot.y_label = fmt::format("{} ({} is better)", metric.title, metric.lower_is_better ? "lower" : "higher");
+  plot.y_label = fmt::format("{} ({} is better)", metric.title, better_word(metric.best));
   plot.x_labels = {fmt::format("ms a frame, {} threads", tradeoff.threads), "peak memory, MB"};
   plot.filled_label = "no other model beats it";
   plot.hollow_label = "another model beats it in all";

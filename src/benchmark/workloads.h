@@ -12,12 +12,17 @@
 
 namespace ld {
 
+struct PictureSize {
+  int64_t width, height;
+};
+
 struct BenchSizes {
   std::string configs = "configs";  // folder of the YAML files that hold the networks' sizes
   bool quick = false;               // the small networks of quick*.yaml
   int64_t inference = 256;          // side of the picture, pixels; for operators too
   int64_t training = 128;
   int64_t spp = 8;
+  std::vector<PictureSize> pictures = {{128, 128}, {1280, 720}, {1920, 1080}};  // for the runtime
 };
 
 /// A row that has not been set up yet: `make` allocates its input.
@@ -40,9 +45,10 @@ NetworkInput bench_input(const NetworkConfig& config, int64_t spp, int64_t side)
 /// A network with Xavier weights.
 std::shared_ptr<Network> bench_network(const NetworkConfig& config);
 
-/// One forward pass without gradients; and one with the SMAPE loss and the gradients of all weights, without
-/// the optimiser's step; its composition takes a slice of the logits for each tap, as the published code
-/// does. Pictures of side x side pixels.
+/// A frame through the runtime, whose composition is the LibTorch network without gradients; and a forward
+/// pass of the LibTorch network with the SMAPE loss and the gradients of all weights, without the optimiser's
+/// step, whose composition takes a slice of the logits for each tap, as the published code does. Pictures of
+/// side x side pixels.
 Workload inference_workload(const NetworkConfig& config, int64_t spp, int64_t side);
 Workload training_workload(const NetworkConfig& config, int64_t spp, int64_t side);
 

@@ -12,8 +12,8 @@ namespace ld {
 using Clip = std::vector<size_t>;
 
 /// All clips of so many frames, overlapping ones too, ordered by their first frame: of runs of one sequence
-/// (frame/sequence_runs.h), never across a gap or a change of size. Of length 1, every frame in the store's
-/// order. Warns about frames that lie in no clip. Throws UsageError where there is no clip.
+/// (sequence/sequence_runs.h), never across a gap or a change of size. Of length 1, every frame in the
+/// store's order. Warns about frames that lie in no clip. Throws UsageError where there is no clip.
 std::vector<Clip> clips_of(const FrameStore& store, int length);
 
 /// How many clips an epoch takes so that it has each frame about once: the frames that lie in some clip,

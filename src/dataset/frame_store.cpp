@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "frame/frame_file.h"
-#include "frame/sequence_runs.h"
+#include "sequence/sequence_runs.h"
 
 namespace ld {
 namespace fs = std::filesystem;

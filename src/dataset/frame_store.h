@@ -33,7 +33,7 @@ class FrameStore {
 
   const std::filesystem::path& folder() const { return data_set_; }
   size_t size() const { return entries_.size(); }
-  /// The numbers of the frames, in runs of those that follow one another (frame/sequence_runs.h).
+  /// The numbers of the frames, in runs of those that follow one another (sequence/sequence_runs.h).
   std::vector<std::vector<size_t>> runs() const;
   const std::string& name(size_t index) const { return entries_[index]->frame.name; }
   int width(size_t index) const { return entries_[index]->width; }

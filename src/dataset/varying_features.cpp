@@ -54,9 +54,9 @@ std::string effect_of(const std::string& feature) {
 }  // namespace
 
 FeatureVariation::FeatureVariation() {
-  for (const Feature& feature : feature_schema()) {
+  for (const std::string& feature : auto_feature_names()) {
     FeatureRange range;
-    range.name = feature.name;
+    range.name = feature;
     ranges_.push_back(range);
   }
 }
@@ -110,7 +110,7 @@ std::vector<std::string> varying_features(const std::vector<std::filesystem::pat
 
   // Headers say which features all frames hold: cheap, and pixels need not be read for the others.
   FeatureVariation variation;
-  std::vector<std::string> held = feature_names();
+  std::vector<std::string> held = auto_feature_names();
   for (const std::filesystem::path& path : paths) {
     const std::vector<std::string> here = read_frame_header(path).features;
     held.erase(std::remove_if(held.begin(), held.end(),

@@ -21,9 +21,16 @@ struct NamedCheck {
 
 /// In the order of the report; a family's findings carry its name.
 constexpr NamedCheck kChecks[] = {
-    {"values", make_value_check},       {"fireflies", make_firefly_check}, {"ranges", make_range_check},
-    {"normals", make_normal_check},     {"depth", make_depth_check},       {"guides", make_guide_check},
-    {"seeds", make_seed_check},         {"filter", make_filter_check},     {"splits", make_split_check},
+    {"values", make_value_check},
+    {"fireflies", make_firefly_check},
+    {"ranges", make_range_check},
+    {"normals", make_normal_check},
+    {"depth", make_depth_check},
+    {"guides", make_guide_check},
+    {"filter guides", make_filter_guide_check},
+    {"seeds", make_seed_check},
+    {"filter", make_filter_check},
+    {"splits", make_split_check},
     {"features", make_variation_check},
 };
 

@@ -65,15 +65,16 @@ class FrameCheck : public Check {
 using MakeCheck = std::unique_ptr<Check> (*)(size_t frames);
 
 // The families of checks, a file each.
-std::unique_ptr<Check> make_value_check(size_t frames);      // NaN, negative radiance, bad references
-std::unique_ptr<Check> make_firefly_check(size_t frames);    // in samples and in references
-std::unique_ptr<Check> make_range_check(size_t frames);      // of every feature; albedo above one
-std::unique_ptr<Check> make_normal_check(size_t frames);     // unit length, view space
-std::unique_ptr<Check> make_depth_check(size_t frames);      // unit, escaped rays, along the axis
-std::unique_ptr<Check> make_guide_check(size_t frames);      // guides averaged over the samples
-std::unique_ptr<Check> make_seed_check(size_t frames);       // samples and reference are independent
-std::unique_ptr<Check> make_filter_check(size_t frames);     // one pixel's samples are its own
-std::unique_ptr<Check> make_split_check(size_t frames);      // no picture in two splits
-std::unique_ptr<Check> make_variation_check(size_t frames);  // which features vary at all
+std::unique_ptr<Check> make_value_check(size_t frames);         // NaN, negative radiance, bad references
+std::unique_ptr<Check> make_firefly_check(size_t frames);       // in samples and in references
+std::unique_ptr<Check> make_range_check(size_t frames);         // of every feature; albedo above one
+std::unique_ptr<Check> make_normal_check(size_t frames);        // unit length, view space
+std::unique_ptr<Check> make_depth_check(size_t frames);         // unit, escaped rays, along the axis
+std::unique_ptr<Check> make_guide_check(size_t frames);         // guides averaged over the samples
+std::unique_ptr<Check> make_filter_guide_check(size_t frames);  // parts of radiance, ids, cameras
+std::unique_ptr<Check> make_seed_check(size_t frames);          // samples and reference are independent
+std::unique_ptr<Check> make_filter_check(size_t frames);        // one pixel's samples are its own
+std::unique_ptr<Check> make_split_check(size_t frames);         // no picture in two splits
+std::unique_ptr<Check> make_variation_check(size_t frames);     // which features vary at all
 
 }  // namespace ld

@@ -4,21 +4,28 @@
 #include <atomic>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string>
 
 #include "core/error.h"
 #include "core/threads.h"
 #include "embed/floating_point.h"
 #include "embed/frame_buffers.h"
+#include "filters/frame_filter.h"
 #include "inference/denoiser.h"
 #include "models/network_config.h"
 
 struct LdDenoiser {
-  explicit LdDenoiser(const char* weights) : denoiser(weights) {}
+  std::optional<ld::Denoiser> model;  // or:
+  std::optional<ld::FrameFilter> filter;
+  std::vector<std::string> features, required;
 
-  ld::Denoiser denoiser;
   ld::FrameBuffers buffers;
+  std::optional<ld::Matrix4> world_to_camera, world_to_ndc;
+  ld::SequenceState state;
+  int64_t position = 0;  // of the next frame in its sequence
   ld::DenoiseOptions options;
   bool cancelled = false;             // by the progress function of the call that runs
   ld::FloatingPointSettings callers;  // of the call that runs
@@ -58,11 +65,29 @@ int threads() {
 
 const std::string* feature(const LdDenoiser* denoiser, int index) {
   if (denoiser == nullptr || index < 0) return nullptr;
-  const auto& features = denoiser->denoiser.network_config().features;
-  return size_t(index) < features.size() ? &features[size_t(index)] : nullptr;
+  return size_t(index) < denoiser->features.size() ? &denoiser->features[size_t(index)] : nullptr;
 }
 
-constexpr const char* kNoDenoiser = "the denoiser is a null pointer; ld_create makes one";
+std::optional<ld::Matrix4> matrix_of(const float* values) {
+  if (values == nullptr) return std::nullopt;
+  ld::Matrix4 matrix;
+  std::copy_n(values, matrix.size(), matrix.begin());
+  return matrix;
+}
+
+/// The picture of a frame, and its parts; a filter takes it for the next one of its sequence.
+ld::DenoisedParts denoised(LdDenoiser& denoiser, ld::Frame& frame) {
+  if (denoiser.model) return denoiser.model->denoise_parts(frame, !frame.alpha.empty(), denoiser.options);
+  if (!frame.parts.empty() || !frame.alpha.empty())
+    ld::fail_usage("parts of the light and alpha go with models; ld_create_filter makes none");
+  frame.info.world_to_camera = denoiser.world_to_camera;
+  frame.info.world_to_ndc = denoiser.world_to_ndc;
+  denoiser.state.advance(ld::SequencePlace{0, denoiser.position}, frame.width, frame.height);
+  ++denoiser.position;
+  return {denoiser.filter->denoise(frame, denoiser.state, denoiser.options.threads), {}, {}};
+}
+
+constexpr const char* kNoDenoiser = "the denoiser is a null pointer; ld_create and ld_create_filter make one";
 
 }  // namespace
 
@@ -89,7 +114,45 @@ LdStatus ld_create(const char* weights, LdDenoiser** denoiser) {
   *denoiser = nullptr;
   if (weights == nullptr)
     return refuse(LD_INVALID_ARGUMENT, "ld_create: the path of the weights is a null pointer");
-  return guarded([&] { *denoiser = new LdDenoiser(weights); });
+  return guarded([&] {
+    auto made = std::make_unique<LdDenoiser>();
+    made->model.emplace(weights);
+    made->features = made->model->network_config().features;
+    made->required = made->model->features();
+    *denoiser = made.release();
+  });
+}
+
+LdStatus ld_create_filter(const char* kind, const char* const* settings, LdDenoiser** denoiser) {
+  if (denoiser == nullptr)
+    return refuse(LD_INVALID_ARGUMENT, "ld_create_filter: there is nowhere to put the denoiser");
+  *denoiser = nullptr;
+  if (kind == nullptr) return refuse(LD_INVALID_ARGUMENT, "ld_create_filter: the kind is a null pointer");
+  return guarded([&] {
+    std::vector<std::string> none;
+    ld::FilterArgument argument = ld::parse_filter_arguments({kind}, none).front();
+    for (; settings != nullptr && *settings != nullptr; ++settings)
+      argument.assignments.emplace_back(*settings);
+    auto made = std::make_unique<LdDenoiser>();
+    made->filter.emplace(argument);
+    made->features = ld::filter_features();
+    made->features.insert(made->features.begin(), "radiance");
+    made->required = {"radiance"};
+    *denoiser = made.release();
+  });
+}
+
+LdStatus ld_set_camera(LdDenoiser* denoiser, const float* world_to_camera, const float* world_to_ndc) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  denoiser->world_to_camera = matrix_of(world_to_camera);
+  denoiser->world_to_ndc = matrix_of(world_to_ndc);
+  return LD_OK;
+}
+
+LdStatus ld_restart(LdDenoiser* denoiser) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  denoiser->state.end();
+  return LD_OK;
 }
 
 void ld_destroy(LdDenoiser* denoiser) {
@@ -97,7 +160,7 @@ void ld_destroy(LdDenoiser* denoiser) {
 }
 
 int ld_feature_count(const LdDenoiser* denoiser) {
-  return denoiser == nullptr ? 0 : int(denoiser->denoiser.network_config().features.size());
+  return denoiser == nullptr ? 0 : int(denoiser->features.size());
 }
 
 const char* ld_feature_name(const LdDenoiser* denoiser, int index) {
@@ -121,6 +184,18 @@ LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const float* dat
   return guarded([&] { denoiser->buffers.set_feature(name, data, strides); });
 }
 
+LdStatus ld_add_part(LdDenoiser* denoiser, const float* samples, const LdStrides* strides, float* picture,
+                     const LdStrides* picture_strides) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  return guarded([&] { denoiser->buffers.add_part(samples, strides, picture, picture_strides); });
+}
+
+LdStatus ld_set_alpha(LdDenoiser* denoiser, const float* samples, const LdStrides* strides, float* picture,
+                      const LdStrides* picture_strides) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  return guarded([&] { denoiser->buffers.set_alpha(samples, strides, picture, picture_strides); });
+}
+
 LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
   denoiser->buffers.set_valid(valid);
@@ -129,7 +204,7 @@ LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid) {
 
 LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
-  denoiser->options.max_memory_bytes = int64_t(std::min(megabytes, size_t(1'000'000'000))) * 1'000'000;
+  denoiser->options.max_memory_bytes = int64_t(std::min(megabytes, size_t(1) << 30)) * ld::kBudgetMegabyte;
   return LD_OK;
 }
 
@@ -154,9 +229,10 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
   return guarded([&] {
     denoiser->options.threads = threads();
     denoiser->cancelled = false;
-    const ld::Frame frame =
-        denoiser->buffers.gather(denoiser->denoiser.network_config().features, denoiser->denoiser.features());
-    ld::scatter(denoiser->denoiser.denoise(frame, denoiser->options), picture, strides);
+    ld::Frame frame = denoiser->buffers.gather(denoiser->features, denoiser->required, threads());
+    const ld::DenoisedParts result = denoised(*denoiser, frame);
+    ld::scatter(result.picture, picture, strides, threads());
+    denoiser->buffers.scatter_parts(result, threads());
   });
 }
 

@@ -1,5 +1,6 @@
 #include "evaluation/comparison.h"
 
+#include <limits>
 #include <numeric>
 
 #include "core/error.h"
@@ -11,6 +12,10 @@ namespace {
 PairedMetric compare(const Metric& metric, const std::vector<double>& method,
                      const std::vector<double>& baseline) {
   PairedMetric result;
+  if (method.empty()) {
+    result.mean_difference = std::numeric_limits<double>::quiet_NaN();
+    return result;
+  }
   std::vector<double> differences;
   for (size_t f = 0; f < method.size(); ++f) {
     differences.push_back(method[f] - baseline[f]);
@@ -38,8 +43,8 @@ Comparison compare_with(const Evaluation& evaluation, const MethodScores& baseli
       fail("{} has {} frames, {} has {}; a comparison needs the same ones", method.name, method.frames.size(),
            baseline.name, baseline.frames.size());
     PairedMethod paired{method.name, {}};
-    for (size_t m = 0; m < metrics().size(); ++m)
-      paired.metrics.push_back(compare(metrics()[m], method.values(m), baseline.values(m)));
+    for (size_t m = 0; m < evaluation.metrics.size(); ++m)
+      paired.metrics.push_back(compare(*evaluation.metrics[m], method.values(m), baseline.values(m)));
     comparison.methods.push_back(std::move(paired));
   }
   return comparison;

@@ -12,7 +12,8 @@ namespace ld {
 
 /// One method against the baseline, in one metric.
 struct PairedMetric {
-  double mean_difference = 0;        // method - baseline, mean over the frames; NaN when one has no score
+  double mean_difference =
+      0;  // method - baseline, mean over the frames; NaN when one has no score, or none has
   std::optional<Interval> interval;  // of that mean
   int better = 0, worse = 0;         // frames whose score the method improves or spoils; a NaN is worse
   int equal = 0;
@@ -21,7 +22,7 @@ struct PairedMetric {
 
 struct PairedMethod {
   std::string name;
-  std::vector<PairedMetric> metrics;  // in the order of metrics()
+  std::vector<PairedMetric> metrics;  // in the order of Evaluation::metrics
 };
 
 struct Comparison {

@@ -4,10 +4,21 @@
 #include <memory>
 #include <utility>
 
+#include "frame/frame_file.h"
 #include "frame/frame_pair.h"
-#include "frame/sequence_runs.h"
+#include "sequence/sequence_runs.h"
 
 namespace ld {
+
+void add_surface_features(const std::filesystem::path& folder, const std::string& split,
+                          std::vector<std::string>& features) {
+  const FrameHeader header =
+      read_frame_header(frame_path(folder, frames_of_split(folder, split).front().name));
+  for (const char* name : {"depth", "normal", "flow", "id", "flow_depth"})
+    if (std::count(header.features.begin(), header.features.end(), name) > 0 &&
+        std::count(features.begin(), features.end(), name) == 0)
+      features.emplace_back(name);
+}
 
 FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& split,
                         const std::vector<std::string>& features, size_t limit, int samples) {
@@ -16,9 +27,12 @@ FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& 
   const size_t count = by_name.size();
   std::vector<std::string> names;
   std::vector<SequencePlace> places;
+  std::vector<std::vector<size_t>> sequences;
   int64_t number = 0;
   for (const std::vector<size_t>& run : sequence_runs(by_name)) {
+    if (run.size() > 1) sequences.emplace_back();
     for (const size_t i : run) {
+      if (run.size() > 1) sequences.back().push_back(frames.size());
       places.push_back({number, static_cast<int64_t>(frames.size())});
       names.push_back(by_name[i].name);
       frames.push_back(std::move(by_name[i]));
@@ -37,7 +51,7 @@ FrameSet open_frame_set(const std::filesystem::path& folder, const std::string& 
                            pair.place,
                            places[i]};
   };
-  return {count, load, std::move(names)};
+  return {count, load, std::move(names), std::move(sequences)};
 }
 
 }  // namespace ld

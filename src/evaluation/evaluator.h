@@ -9,7 +9,7 @@
 #include "evaluation/method.h"
 #include "evaluation/scores.h"
 #include "frame/frame.h"
-#include "frame/sequence_state.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 
@@ -27,7 +27,8 @@ struct EvaluationFrame {
 struct FrameSet {
   size_t count = 0;
   std::function<EvaluationFrame(size_t)> load;
-  std::vector<std::string> names = {};  // of the frames, where they are known beforehand
+  std::vector<std::string> names = {};              // of the frames, where they are known beforehand
+  std::vector<std::vector<size_t>> sequences = {};  // the frames of each one of two or more
 };
 
 struct LabelledPicture {
@@ -37,17 +38,20 @@ struct LabelledPicture {
 
 struct EvaluatorOptions {
   int threads = 1;
+  std::vector<const Metric*> metrics = metrics_with({});  // metrics(), then further ones
+  bool sequences = false;                                 // also how steady they are: Evaluation::sequences
   /// Called once a frame, in order: noisy, blur (the width that PSNR chose), each method, reference. May be
   /// empty.
   std::function<void(size_t frame, const std::string& name, const std::vector<LabelledPicture>&)> on_pictures;
 };
 
-/// Methods `noisy` and `blur`, then `methods` in their order; the floor where all frames have one;
-/// Evaluation::data and split stay empty. Each method has one state, which starts anew where a frame does not
-/// follow the one before. A picture with NaN or infinite values scores NaN and is warned about. A stop signal
-/// ends it after the current frame: nothing is returned, because half a set's mean would mislead. Throws
-/// UsageError for bad method names; Error for an empty set, a reference or a denoised picture of another
-/// size, with the names of frame and method.
+/// Methods `noisy` and `blur`, then `methods` in their order. Of the blur, further metrics judge the width
+/// that PSNR chose, and so do measures of sequences; the floor where all frames have one; Evaluation::data
+/// and split stay empty. Each method has one state, which starts anew where a frame does not follow the one
+/// before. A picture with NaN or infinite values scores NaN and is warned about. A stop signal ends it after
+/// the current frame: nothing is returned, because half a set's mean would mislead. Throws UsageError for bad
+/// method names; Error for an empty set, one without sequences where they are asked for, a reference or a
+/// denoised picture of another size, with the names of frame and method.
 std::optional<Evaluation> evaluate(const FrameSet& frames, const std::vector<Method>& methods,
                                    const EvaluatorOptions& options);
 

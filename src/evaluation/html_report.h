@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,11 @@ namespace ld {
 struct ReportOptions {
   size_t frames = 8;  // pictures of at most so many frames, spread evenly over the set; the tables have all
   int side = 512;     // larger pictures are cut to their middle of so many pixels a side
+  // Sequences that play: those of FrameSet::sequences, at most so many, each at most so many frames from its
+  // start; their pictures, of 8 bits, are cut likewise.
+  std::vector<std::vector<size_t>> sequences = {};
+  size_t most_sequences = 2, most_frames = 32;
+  int sequence_side = 256;
 };
 
 /// Collects the pictures while the frames are evaluated. The page needs no other file and no network (its
@@ -33,8 +39,17 @@ class ReportWriter {
     std::vector<std::string> encoded;  // one for each label
   };
 
+  struct Clip {
+    int width = 0, height = 0;
+    std::vector<std::string> frames;                // names
+    std::vector<std::vector<std::string>> encoded;  // for each frame one for each label
+  };
+
+  void add_to_clips(size_t frame, const std::string& name, const std::vector<LabelledPicture>& pictures);
+
   size_t frame_count_;
   ReportOptions options_;
+  std::map<size_t, Clip> clips_;  // by the number of the sequence
   std::vector<std::string> labels_;
   std::vector<Picture> pictures_;
 };

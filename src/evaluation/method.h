@@ -9,7 +9,7 @@
 #include "evaluation/scores.h"
 #include "frame/frame.h"
 #include "frame/picture_place.h"
-#include "frame/sequence_state.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/tone_map.h"
 #include "frame/half_range.h"
 
 namespace ld {
@@ -31,6 +32,17 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
+std::string packed(const std::vector<uint8_t>& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string result(size, '\0');
+  const int code = compress2(reinterpret_cast<Bytef*>(result.data()), &size, bytes.data(),
+                             static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
+  if (code != Z_OK)
+    fail("zlib cannot compress {} bytes (code {}); is there memory left?", bytes.size(), code);
+  result.resize(size);
+  return base64(result);
+}
+
 }  // namespace
 
 std::string encode_picture(const Image& image) {
@@ -44,14 +56,20 @@ std::string encode_picture(const Image& image) {
     bytes[i] = static_cast<uint8_t>(difference >> 8);
     bytes[count + i] = static_cast<uint8_t>(difference & 0xffU);
   }
-  uLongf packed_size = compressBound(static_cast<uLong>(bytes.size()));
-  std::string packed(packed_size, '\0');
-  const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &packed_size, bytes.data(),
-                             static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
-  if (code != Z_OK)
-    fail("zlib cannot compress {} bytes (code {}); is there memory left?", bytes.size(), code);
-  packed.resize(packed_size);
-  return base64(packed);
+  return packed(bytes);
+}
+
+std::string encode_shown_picture(const Image& image) {
+  std::vector<uint8_t> bytes;
+  bytes.reserve(image.pixels.size());
+  unsigned previous = 0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    if (i % static_cast<size_t>(image.width) == 0) previous = 0;
+    const auto shown = static_cast<unsigned>(std::lround(255 * std::min(tone_map(image.pixels[i]), 1.0F)));
+    bytes.push_back(static_cast<uint8_t>(shown - previous));
+    previous = shown;
+  }
+  return packed(bytes);
 }
 
 }  // namespace ld

@@ -12,4 +12,8 @@ namespace ld {
 /// base64. The report's decode.js is the inverse. Throws Error when zlib fails.
 std::string encode_picture(const Image& image);
 
+/// What a screen shows of it, in a quarter of the space: tone-mapped 8 bits; in each row differences of
+/// neighbours modulo 256; zlib; base64. NaN counts as black.
+std::string encode_shown_picture(const Image& image);
+
 }  // namespace ld

@@ -11,8 +11,15 @@
 
 namespace ld {
 
+/// Films of the sequences, each of the strips of its frames.
+struct MovieOptions {
+  std::string format;  // "mp4", "webm", or "": none
+  double frames_a_second = 12;
+};
+
 /// Collects pictures while the frames are evaluated, then writes FOLDER/metrics.csv, comparison.csv,
-/// metrics.json, comparison.png, strips/ and report.html.
+/// metrics.json, comparison.png, strips/ and report.html; of sequences besides sequences.csv,
+/// sequence_comparison.csv and a figure sequence_*.svg for each curve, and movies/ (sequence/movie_file.h).
 class ResultWriter {
  public:
   ResultWriter(const std::filesystem::path& folder, size_t frame_count, const ReportOptions& report);
@@ -20,7 +27,7 @@ class ResultWriter {
   /// For EvaluatorOptions::on_pictures.
   void add(size_t frame, const std::string& name, const std::vector<LabelledPicture>& pictures);
   /// Writes all files. Throws Error when one cannot be written.
-  void write(const Evaluation& evaluation) const;
+  void write(const Evaluation& evaluation, const FrameSet& frames, const MovieOptions& movies) const;
 
  private:
   std::filesystem::path folder_;

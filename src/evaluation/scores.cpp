@@ -1,21 +1,22 @@
 #include "evaluation/scores.h"
 
 #include <limits>
+#include <numeric>
 
 #include "core/error.h"
 
 namespace ld {
 
 double MethodScores::mean(size_t metric) const {
-  if (frames.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double sum = 0;
-  for (const FrameScores& frame : frames) sum += frame.values.at(metric);
-  return sum / static_cast<double>(frames.size());
+  const std::vector<double> known = values(metric);
+  if (known.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return std::accumulate(known.begin(), known.end(), 0.0) / static_cast<double>(known.size());
 }
 
 std::vector<double> MethodScores::values(size_t metric) const {
   std::vector<double> result;
-  for (const FrameScores& frame : frames) result.push_back(frame.values.at(metric));
+  for (const FrameScores& frame : frames)
+    if (frame.has(metric)) result.push_back(frame.values.at(metric));
   return result;
 }
 

@@ -90,7 +90,7 @@ StripWriter::StripWriter(std::filesystem::path folder, size_t frame_count)
 
 void StripWriter::add(size_t frame, const std::string& name, const std::vector<LabelledPicture>& pictures) {
   Image strip = make_strip(pictures);
-  write_image(folder_ / "strips" / (name + ".png"), strip);
+  write_image(path_of(name), strip);
   if (is_evenly_chosen(frame, frame_count_, kComparisonRows)) chosen_.push_back(std::move(strip));
 }
 

@@ -29,6 +29,10 @@ class StripWriter {
 
   /// For EvaluatorOptions::on_pictures. Throws Error when the file cannot be written.
   void add(size_t frame, const std::string& name, const std::vector<LabelledPicture>& pictures);
+  /// Of a frame's strip.
+  std::filesystem::path path_of(const std::string& name) const {
+    return folder_ / "strips" / (name + ".png");
+  }
   /// Writes the comparison; returns its path.
   std::filesystem::path finish() const;
 

@@ -29,9 +29,10 @@ std::string formulas_text();
 /// The same columns with one row for each method and frame.
 std::string markdown_frames(const Evaluation& evaluation);
 
-/// Header "method,frame,relmse,smape,ssim,psnr,seconds,not_finite", one row for each method and frame and
-/// three named "mean", "ci95_low" and "ci95_high" for each method; RFC 4180 quoting; "nan" and "inf" for
-/// scores that are no numbers, empty cells where there is no interval, full precision.
+/// Header "method,frame,relmse,smape,ssim,psnr,seconds,not_finite" (further metrics after psnr), one row for
+/// each method and frame and three named "mean", "ci95_low" and "ci95_high" for each method; RFC 4180
+/// quoting; "nan" and "inf" for scores that are no numbers, empty cells where there is no interval, full
+/// precision.
 std::string to_csv(const Evaluation& evaluation);
 
 /// Header "baseline,method,metric,frames,mean_difference,ci95_low,ci95_high,better,worse,equal,p", one row
@@ -39,12 +40,12 @@ std::string to_csv(const Evaluation& evaluation);
 std::string comparison_csv(const Evaluation& evaluation);
 
 /// {"data", "split", "frame_count", "relmse_epsilon", "smape_epsilon", "confidence",
-///  "metrics": {NAME: {"title", "better", "domain", "formula", "digits"}},
+///  "unit": "frame" or "sequence", "metrics": {NAME: {"title", "better", "domain", "formula", "digits"}},
 ///  "methods": {NAME: {"mean": {"relmse", "smape", "ssim", "psnr"}, "interval": {"relmse": [low, high], ...},
 ///                     "seconds"?, "parameters"?, "multiply_adds_per_pixel"?, "not_finite", "sigma"?: {...},
 ///                     "frames": [{"name", "relmse", "smape", "ssim", "psnr", "seconds"?, "not_finite"}]}},
 ///  "floor"?: {"name", "text", "mean": {"relmse", ...}, "interval": {...}, "frames": [{"name", "relmse",
-///  ...}]}, "comparison": comparison_json()}
+///  ...}]}, "comparison": comparison_json(), "sequences"?: the same of Evaluation::sequences}
 /// A score that is no finite number (PSNR of equal pictures, a broken picture: see not_finite) is null, and
 /// so is an interval or a p that does not exist.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);

@@ -160,12 +160,9 @@ void to_onnx(const graph::Gather& op, OnnxWalk& at) {
 }
 
 void to_onnx(const graph::Blur& op, OnnxWalk& at) {
-  const int64_t radius = op.kernel / 2, taps = op.kernel * op.kernel;
   std::vector<float> logits;
-  for (int64_t dy = -radius; dy <= radius; ++dy)
-    for (int64_t dx = -radius; dx <= radius; ++dx)
-      logits.push_back(float(-18.0 * double(dy * dy + dx * dx) / double(taps)));
-  gather(at, at.g.numbers(logits, {1, 1, taps, 1, 1}), op.kernel, 0);
+  for (const double logit : op.logits()) logits.push_back(float(logit));
+  gather(at, at.g.numbers(logits, {1, 1, op.kernel * op.kernel, 1, 1}), op.kernel, 0);
 }
 
 }  // namespace ld

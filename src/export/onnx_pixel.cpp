@@ -123,21 +123,27 @@ void to_onnx(const graph::Mix&, OnnxWalk& at) {
   at.make(g.add(g.mul(k, at.read(2)), g.mul(g.sub(g.number(1), k), at.read(3))));
 }
 
-void to_onnx(const graph::Modulate& op, OnnxWalk& at) {
+void to_onnx(const graph::ModulationFactors& op, OnnxWalk& at) {
   OnnxGraph& g = at.g;
-  const Value filtered = at.read_picture(0), modulators = at.read_picture(1);
-  const Value mean = g.slice(modulators, 1, 0, 3), plain = g.slice(filtered, 1, 3, 6);
+  const Value modulators = at.read_picture(0), mean = g.slice(modulators, 1, 0, 3);
   const Value variance = g.op("AveragePool", {g.slice(modulators, 1, 3, 4)},
                               {{"kernel_shape", std::vector<int64_t>{3, 3}},
                                {"pads", std::vector<int64_t>{1, 1, 1, 1}},
                                {"count_include_pad", int64_t{0}}});
   const Value steady = g.exp(g.mul(variance, g.number(float(-kSteadyFalloff))));
   const Value logit = g.squeeze(
-      onnx_fully_connected(g, {op.weights, {1}}, 1, g.unsqueeze(steady, 1), 1, at.read_picture(2)), 1);
-  const Value known =
-      g.mul(g.to_float(g.op("Greater", {g.reduce_max(mean, {1}), g.number(0)})),
-            g.to_float(g.op("LessOrEqual", {g.reduce_max(plain, {1}), g.number(float(kLargestModulated))})));
-  const Value beta = g.mul(g.op("Sigmoid", {logit}), known);
+      onnx_fully_connected(g, {op.weights, {1}}, 1, g.unsqueeze(steady, 1), 1, at.read_picture(1)), 1);
+  const Value known = g.to_float(g.op("Greater", {g.reduce_max(mean, {1}), g.number(0)}));
+  at.make_picture(g.concat({mean, g.mul(g.op("Sigmoid", {logit}), known)}, 1));
+}
+
+void to_onnx(const graph::Modulate&, OnnxWalk& at) {
+  OnnxGraph& g = at.g;
+  const Value filtered = at.read_picture(0), factors = at.read_picture(1);
+  const Value plain = g.slice(filtered, 1, 3, 6), mean = g.slice(factors, 1, 0, 3);
+  const Value within =
+      g.to_float(g.op("LessOrEqual", {g.reduce_max(plain, {1}), g.number(float(kLargestModulated))}));
+  const Value beta = g.mul(g.slice(factors, 1, 3, 4), within);
   at.make_picture(g.add(plain, g.mul(beta, g.sub(g.mul(mean, g.slice(filtered, 1, 0, 3)), plain))));
 }
 

@@ -101,6 +101,7 @@ void to_onnx(const graph::Gather& op, OnnxWalk& at);
 void to_onnx(const graph::Blur& op, OnnxWalk& at);
 void to_onnx(const graph::Mix& op, OnnxWalk& at);
 void to_onnx(const graph::Composite& op, OnnxWalk& at);
+void to_onnx(const graph::ModulationFactors& op, OnnxWalk& at);
 void to_onnx(const graph::Modulate& op, OnnxWalk& at);
 void to_onnx(const graph::LayerIdentity& op, OnnxWalk& at);
 

@@ -42,7 +42,7 @@ NetworkInput random_picture(const NetworkConfig& config, uint32_t index, int64_t
 
 ExportSource load_source(const std::filesystem::path& model) {
   const std::filesystem::path file = resolve_model(model);
-  return {load_model(file), read_weights_header(SafetensorsFile(file)).provenance};
+  return {load_network(file), read_weights_header(SafetensorsFile(file)).provenance};
 }
 
 ExportSource untrained_source(const std::filesystem::path& config, uint64_t seed) {

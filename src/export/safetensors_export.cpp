@@ -26,9 +26,9 @@ Parity export_safetensors(const ExportSource& source, const std::filesystem::pat
   const std::shared_ptr<Network> written = rounded(*source.network, type);
   const Parity parity = rounding_parity(source, *written, type, inputs);
   write_atomically(out, [&](const std::filesystem::path& temporary) {
-    save_model(temporary, *written, source.provenance, type,
-               export_metadata(source, type, parity, nullptr, inputs.size()));
-    const std::shared_ptr<Network> read = load_model(temporary);
+    save_network(temporary, *written, source.provenance, type,
+                 export_metadata(source, type, parity, nullptr, inputs.size()));
+    const std::shared_ptr<Network> read = load_network(temporary);
     const auto expected = written->named_parameters();
     for (const auto& parameter : read->named_parameters())
       if (!parameter.value().equal(expected[parameter.key()]))

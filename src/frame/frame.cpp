@@ -4,7 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <limits>
+#include <numeric>
+
+#include "core/threads.h"
 
 namespace ld {
 
@@ -24,6 +29,20 @@ bool all_within(const float* values, size_t count, float low, float high) {
   return out == 0;
 }
 
+/// Radiance and its parts; all others are guides.
+bool is_light(int channel) {
+  return channel < kNormalOffset || channel >= kDirectOffset;
+}
+
+float least_value(int channel) {
+  return is_light(channel) || channel == kIdOffset ? 0 : -kHalfMax;
+}
+
+float largest_value(int channel) {
+  if (channel == kIdOffset) return kMostId;
+  return is_light(channel) ? std::numeric_limits<float>::max() : kHalfMax;
+}
+
 float* alpha_of(Frame& frame, const Stretch& stretch) {
   if (frame.alpha.empty()) return nullptr;
   return frame.alpha.data() + static_cast<size_t>(stretch.sample) * frame.plane_size() + stretch.first;
@@ -41,21 +60,26 @@ std::vector<int> channels_of(const Frame& frame) {
 /// pixel.
 bool is_clean(Frame& frame, const Stretch& stretch, const std::vector<int>& channels) {
   for (const int c : channels)
-    if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count,
-                    c < 3 ? 0.0F : -kEscapedDepth, c < 3 ? std::numeric_limits<float>::max() : kEscapedDepth))
+    if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count, least_value(c),
+                    largest_value(c)))
       return false;
   const float* alpha = alpha_of(frame, stretch);
   if (alpha != nullptr && !all_within(alpha, stretch.count, 0, 1)) return false;
+  for (size_t part = 0; part < frame.parts.size(); ++part)
+    for (int c = 0; c < 3; ++c)
+      if (!all_within(frame.part_plane(part, stretch.sample, c) + stretch.first, stretch.count, -kLargestPart,
+                      kLargestPart))
+        return false;
   const uint8_t* valid = frame.valid_plane(stretch.sample) + stretch.first;
   return std::all_of(valid, valid + stretch.count, [](uint8_t v) { return v != 0; });
 }
 
-/// Sets the guides of a sample that are not finite to what a ray that escaped has; channel c is at sample[c *
-/// pitch]. Returns how many there were.
-int64_t mend_guides(float* sample, size_t pitch) {
+/// Sets the guides of a sample of so many channels that are not finite to what a ray that escaped has;
+/// channel c is at sample[c * pitch]. Returns how many there were.
+int64_t mend_guides(float* sample, int channels, size_t pitch) {
   int64_t mended = 0;
   for (const Feature& feature : feature_schema()) {
-    if (feature.offset == kRadianceOffset) continue;
+    if (feature.offset == kRadianceOffset || feature.offset >= channels) continue;
     float* const guide = sample + static_cast<size_t>(feature.offset) * pitch;
     bool finite = true;
     for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
@@ -66,6 +90,22 @@ int64_t mend_guides(float* sample, size_t pitch) {
       guide[c * pitch] = feature.offset == kDepthOffset ? kEscapedDepth : 0.0F;
   }
   return mended;
+}
+
+/// A part of the light is 0 where the sample does not count, and where its colour is not finite.
+void mend_part(Frame& frame, size_t part, const Stretch& stretch, Faults& faults) {
+  const uint8_t* valid = frame.valid_plane(stretch.sample) + stretch.first;
+  const size_t pixels = frame.plane_size();
+  for (size_t p = 0; p < stretch.count; ++p) {
+    float* const colour = frame.part_plane(part, stretch.sample, 0) + stretch.first + p;
+    bool finite = true;
+    for (size_t c = 0; c < 3; ++c) finite = finite && std::isfinite(colour[c * pixels]);
+    if (valid[p] != 0 && !finite) ++faults.parts;
+    for (size_t c = 0; c < 3; ++c) {
+      float& value = colour[c * pixels];
+      value = valid[p] != 0 && finite ? std::clamp(value, -kLargestPart, kLargestPart) : 0.0F;
+    }
+  }
 }
 
 void mend(Frame& frame, const Stretch& stretch, Faults& faults) {
@@ -80,33 +120,34 @@ void mend(Frame& frame, const Stretch& stretch, Faults& faults) {
       ++faults.not_finite;
       valid[p] = 0;
     }
-    if (valid[p] != 0) faults.guides += mend_guides(sample, pixels);
-    for (size_t c = 0; c < kSampleChannels; ++c) {
-      float& value = sample[c * pixels];
+    if (valid[p] != 0) faults.guides += mend_guides(sample, frame.channels, pixels);
+    for (int c = 0; c < frame.channels; ++c) {
+      float& value = sample[static_cast<size_t>(c) * pixels];
       if (valid[p] == 0) {
         value = 0;
-      } else if (c < 3) {
-        if (value < 0) ++faults.negative;
-        value = std::max(value, 0.0F);
-      } else {
-        value = std::clamp(value, -kEscapedDepth, kEscapedDepth);
+        continue;
       }
+      if (c < 3 && value < 0) ++faults.negative;
+      value = std::clamp(value, least_value(c), largest_value(c));
     }
     if (alpha != nullptr) alpha[p] = valid[p] == 0 ? 0.0F : std::clamp(alpha[p], 0.0F, 1.0F);
   }
+  for (size_t part = 0; part < frame.parts.size(); ++part) mend_part(frame, part, stretch, faults);
 }
 
 }  // namespace
 
-void* map_zeros(size_t bytes) {
-  void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) return nullptr;
-  madvise(memory, bytes, MADV_HUGEPAGE);  // where it cannot, small pages do
+void* zero_pages(size_t count, size_t size) {
+  void* const memory = std::calloc(count, size);  // large ones are the system's own zeros
+  if (memory == nullptr) throw std::bad_alloc();
+  constexpr size_t kPage = size_t{1} << 21;
+  if (count * size >= 2 * kPage) {
+    char* const begin = static_cast<char*>(memory);
+    const size_t before = (kPage - reinterpret_cast<uintptr_t>(begin) % kPage) % kPage,
+                 bytes = (count * size - before) / kPage * kPage;
+    madvise(begin + before, bytes, MADV_HUGEPAGE);  // where it cannot, small pages do
+  }
   return memory;
-}
-
-void unmap_zeros(void* memory, size_t bytes) {
-  munmap(memory, bytes);
 }
 
 Faults sanitise(Frame& frame) {
@@ -122,6 +163,21 @@ void sanitise(Frame& frame, int sample, size_t first, size_t count, Faults& faul
     const Stretch stretch = {sample, first + done, std::min(kStretch, count - done)};
     if (!is_clean(frame, stretch, channels)) mend(frame, stretch, faults);
   }
+}
+
+int64_t fit_in_half(Frame& frame, int sample) {
+  const size_t pixels = frame.plane_size();
+  float* const radiance[3] = {frame.plane(sample, 0), frame.plane(sample, 1), frame.plane(sample, 2)};
+  std::vector<float*> parts;
+  for (int c = kDirectOffset; c < frame.channels; ++c) parts.push_back(frame.plane(sample, c));
+  for (size_t part = 0; part < frame.parts.size(); ++part)
+    for (int c = 0; c < 3; ++c) parts.push_back(frame.part_plane(part, sample, c));
+  for (float* part : parts)
+    for (size_t p = 0; p < pixels; ++p) {
+      const float most = std::max({radiance[0][p], radiance[1][p], radiance[2][p]});
+      if (most > kHalfMax && std::isfinite(most)) part[p] *= kHalfMax / most;
+    }
+  return fit_colours_in_half(radiance[0], radiance[1], radiance[2], pixels);
 }
 
 namespace {
@@ -155,18 +211,69 @@ Image mean_alpha(const Frame& frame) {
       frame, 1, [&](int s, int) { return frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(); });
 }
 
-float median_depth(const Frame& frame) {
+namespace {
+
+/// Bits in the order of the values.
+uint32_t ordered_bits(float value) {
+  uint32_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
+  return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
+}
+
+float value_of(uint32_t ordered) {
+  const uint32_t bits = (ordered >> 31) != 0 ? ordered & 0x7fffffffU : ~ordered;
+  float value = 0;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+using Histogram = std::vector<int64_t>;  // of 2^16
+
+/// Of digit(ordered bits) over the depths that count; a digit below 0 does not.
+template <class Digit>
+Histogram histogram_of_depths(const Frame& frame, int threads, const Digit& digit) {
+  const auto pixels = static_cast<int64_t>(frame.plane_size());
+  const int64_t pieces = std::clamp<int64_t>(pixels >> 16, 1, std::min(threads, 64));
+  std::vector<Histogram> parts(static_cast<size_t>(pieces), Histogram(1 << 16));
+  parallel_for(pieces, threads, [&](int64_t part) {
+    Histogram& count = parts[static_cast<size_t>(part)];
+    for (int s = 0; s < frame.spp; ++s) {
+      const float* depth = frame.plane(s, kDepthOffset);
+      const uint8_t* valid = frame.valid_plane(s);
+      for (int64_t p = pixels * part / pieces; p < pixels * (part + 1) / pieces; ++p) {
+        const int32_t place = digit(ordered_bits(depth[p]));
+        if (valid[p] != 0 && depth[p] < kEscapedDepth && place >= 0) ++count[static_cast<size_t>(place)];
+      }
+    }
+  });
+  for (size_t part = 1; part < parts.size(); ++part)
+    std::transform(parts[part].begin(), parts[part].end(), parts[0].begin(), parts[0].begin(), std::plus<>());
+  return parts[0];
+}
+
+/// The place that has the value of this rank, which becomes its rank within that place.
+uint32_t place_of(const Histogram& count, int64_t& rank) {
+  uint32_t place = 0;
+  while (rank >= count[place]) rank -= count[place++];
+  return place;
+}
+
+}  // namespace
+
+float median_depth(const Frame& frame, int threads) {
   if (!frame.holds("depth")) return 1;
-  std::vector<float> depths;
-  for (int s = 0; s < frame.spp; ++s)
-    for (size_t p = 0; p < frame.plane_size(); ++p)
-      if (frame.valid_plane(s)[p] != 0 && frame.plane(s, kDepthOffset)[p] < kEscapedDepth)
-        depths.push_back(frame.plane(s, kDepthOffset)[p]);
-  if (depths.empty()) return 1;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
+  // By the upper half of the bits, then by the lower: two passes over the depths, and no copy of them.
+  const Histogram upper =
+      histogram_of_depths(frame, threads, [](uint32_t bits) { return static_cast<int32_t>(bits >> 16); });
+  const int64_t depths = std::accumulate(upper.begin(), upper.end(), int64_t{0});
+  if (depths == 0) return 1;
+  int64_t rank = depths / 2;
+  const uint32_t high = place_of(upper, rank);
+  const Histogram lower = histogram_of_depths(frame, threads, [high](uint32_t bits) {
+    return bits >> 16 == high ? static_cast<int32_t>(bits & 0xffffU) : -1;
+  });
   // A camera inside a surface sees depth 0; a scale of 0 would divide by zero.
-  return std::max(*middle, 1e-6F);
+  return std::max(value_of(high << 16 | place_of(lower, rank)), 1e-6F);
 }
 
 }  // namespace ld

@@ -3,8 +3,10 @@
 #include <ImfDoubleAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfIntAttribute.h>
+#include <ImfMatrixAttribute.h>
 #include <ImfStringAttribute.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -15,6 +17,13 @@ namespace ld {
 namespace {
 
 const std::string kFloor = "ldFloor.";
+
+void write_matrix(Imf::Header& header, const char* name, const std::optional<Matrix4>& matrix) {
+  if (!matrix) return;
+  Imath::M44f value;
+  std::copy(matrix->begin(), matrix->end(), value.getValue());
+  header.insert(name, Imf::M44fAttribute(value));
+}
 
 void read_text(const Imf::Header& header, const char* name, std::string& value) {
   if (const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name))
@@ -37,6 +46,16 @@ void read_integer(const Imf::Header& header, const std::string& path, const char
 
 }  // namespace
 
+std::optional<Matrix4> read_matrix(const Imf::Header& header, const char* name) {
+  const auto* attribute = header.findTypedAttribute<Imf::M44fAttribute>(name);
+  if (attribute == nullptr) return std::nullopt;
+  Matrix4 matrix;
+  std::copy_n(attribute->value().getValue(), matrix.size(), matrix.begin());
+  if (!std::all_of(matrix.begin(), matrix.end(), [](float value) { return std::isfinite(value); }))
+    return std::nullopt;
+  return matrix;
+}
+
 void write_attributes(Imf::Header& header, const FrameInfo& info, int spp) {
   header.insert("ldSchemaVersion", Imf::IntAttribute(kSchemaVersion));
   header.insert("ldSpp", Imf::IntAttribute(spp));
@@ -47,6 +66,9 @@ void write_attributes(Imf::Header& header, const FrameInfo& info, int spp) {
   if (!info.generator.empty()) header.insert("ldGenerator", Imf::StringAttribute(info.generator));
   if (!info.scene.empty()) header.insert("ldScene", Imf::StringAttribute(info.scene));
   if (!info.camera.empty()) header.insert("ldCamera", Imf::StringAttribute(info.camera));
+  if (info.cut) header.insert("ldCut", Imf::IntAttribute(1));
+  write_matrix(header, kWorldToCamera, info.world_to_camera);
+  write_matrix(header, kWorldToNdc, info.world_to_ndc);
 }
 
 FrameInfo read_attributes(const Imf::Header& header, const std::string& path, int& spp) {
@@ -64,6 +86,11 @@ FrameInfo read_attributes(const Imf::Header& header, const std::string& path, in
   read_text(header, "ldGenerator", info.generator);
   read_text(header, "ldScene", info.scene);
   read_text(header, "ldCamera", info.camera);
+  int64_t cut = 0;
+  read_integer(header, path, "ldCut", cut);
+  info.cut = cut != 0;
+  info.world_to_camera = read_matrix(header, kWorldToCamera);
+  info.world_to_ndc = read_matrix(header, kWorldToNdc);
   if (header.find("ldDepthScale") != header.end()) {
     const auto* attribute = header.findTypedAttribute<Imf::FloatAttribute>("ldDepthScale");
     if (attribute == nullptr || !std::isfinite(attribute->value()) || attribute->value() < 0)

@@ -3,11 +3,17 @@
 
 #include <ImfHeader.h>
 
+#include <optional>
 #include <string>
 
 #include "frame/frame.h"
 
 namespace ld {
+
+/// OpenEXR's standard attributes, frame/camera_matrices.h.
+constexpr const char *kWorldToCamera = "worldToCamera", *kWorldToNdc = "worldToNDC";
+/// None where it is not there, of another type or not finite: renderers write it for people, too.
+std::optional<Matrix4> read_matrix(const Imf::Header& header, const char* name);
 
 /// Adds the schema version, the number of samples and `info` to a header.
 void write_attributes(Imf::Header& header, const FrameInfo& info, int spp);

@@ -16,8 +16,16 @@ struct FrameHeader {
   std::vector<std::string> features;  // features of the schema that every sample part holds
   std::string misnamed;               // where there are none: a part that looks like one, such as "s0"
   bool alpha = false;                 // every sample part has a channel A
+  /// Layers NAME of channels NAME.R, NAME.G and NAME.B that every sample part has beside the features: parts
+  /// of the light, as far as anybody can tell.
+  std::vector<std::string> layers;
   FrameInfo info;
 };
+
+/// Those of the names, in their order, that one of the patterns fits; `*`, `?` and `[...]` as in a shell.
+/// Throws Error, naming what `where` has, for a pattern that fits none.
+std::vector<std::string> choose_names(const std::vector<std::string>& names,
+                                      const std::vector<std::string>& patterns, const std::string& where);
 
 /// The number in a part's name "s000", "s001", ..., "s1000"; -1 for any other name.
 int sample_number(const std::string& part_name);
@@ -32,19 +40,20 @@ FrameHeader read_frame_header(const std::filesystem::path& path);
 /// them; `faults` receives what was found. frame.features are all that the file holds. info.depth_scale is
 /// computed where the file has none. Throws Error as above and for a missing feature (naming part and
 /// channel), for a file without samples and for one with fewer than `samples`, of which only the first so
-/// many are read (0: all). Nothing depends on the number of threads.
+/// many are read (0: all). Of the layers, those that a pattern of `also` fits become its light parts
+/// (choose_names). Nothing depends on the number of threads.
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
-                 int samples = 0, int threads = 1);
+                 int samples = 0, int threads = 1, const std::vector<std::string>& also = {});
 
 /// Keeps the first `samples` samples of a frame that was read from `file`; 0: all. Throws Error when it has
 /// fewer.
 void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& file);
 
-/// Writes part `mean` and parts s000, s001, ... with the frame's features and alpha, and the info as
-/// attributes; atomic. Radiance beyond half's range is clamped and the count of clamped channels returned.
-/// Masked samples are written as NaN radiance, so that they are masked again on reading. The same frame gives
-/// the same bytes. Throws Error when the frame cannot be written or holds no radiance, UsageError for an
-/// unknown feature.
+/// Writes part `mean` and parts s000, s001, ... with the frame's features, alpha and light parts, and the
+/// info as attributes; atomic. Radiance beyond half's range is clamped and the count of clamped channels
+/// returned; light parts become darker with it. Masked samples are written as NaN radiance, so that they are
+/// masked again on reading. The same frame gives the same bytes. Throws Error when the frame cannot be
+/// written or holds no radiance, UsageError for an unknown feature.
 int64_t write_frame(const std::filesystem::path& path, const Frame& frame);
 
 enum class PictureFormat { exr, png };

@@ -1,9 +1,12 @@
 #include <ImfChannelList.h>
+#include <fmt/ranges.h>
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "core/error.h"
@@ -63,10 +66,42 @@ std::string misnamed_sample(const ExrReader& exr) {
   return "";
 }
 
+/// Channels of integers that happen to be called like those of filters are none of ours.
 bool holds(const ExrReader& exr, int part, const Feature& feature) {
-  for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c)
-    if (!exr.has_channel(part, feature.exr_channels[c])) return false;
+  const Imf::ChannelList& channels = exr.header(part).channels();
+  for (size_t c = 0; c < static_cast<size_t>(feature.channels); ++c) {
+    const Imf::Channel* found = channels.findChannel(feature.exr_channels[c]);
+    if (found == nullptr || (found->type == Imf::UINT && feature.offset >= kSampleChannels)) return false;
+  }
   return true;
+}
+
+/// Layers of a part that have R, G and B, but for those that are features.
+std::set<std::string> coloured_layers(const ExrReader& exr, int part) {
+  std::set<std::string> layers;
+  const Imf::ChannelList& channels = exr.header(part).channels();
+  for (auto it = channels.begin(); it != channels.end(); ++it) {
+    const std::string name = it.name();
+    if (name.size() < 3 || name.compare(name.size() - 2, 2, ".R") != 0) continue;
+    const std::string layer = name.substr(0, name.size() - 2);
+    if (exr.has_channel(part, layer + ".G") && exr.has_channel(part, layer + ".B")) layers.insert(layer);
+  }
+  for (const Feature& feature : feature_schema())
+    if (feature.offset < kDirectOffset)
+      layers.erase(feature.name);  // those behind are parts of the light, too
+  return layers;
+}
+
+/// Those that all of the parts have.
+std::vector<std::string> common_layers(const ExrReader& exr, const std::vector<int>& parts) {
+  if (parts.empty()) return {};
+  std::set<std::string> common = coloured_layers(exr, parts[0]);
+  for (const int part : parts) {
+    const std::set<std::string> own = common.empty() ? common : coloured_layers(exr, part);
+    for (auto layer = common.begin(); layer != common.end();)
+      layer = own.count(*layer) > 0 ? std::next(layer) : common.erase(layer);
+  }
+  return {common.begin(), common.end()};
 }
 
 FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
@@ -86,6 +121,7 @@ FrameHeader header_of(const ExrReader& exr, const std::vector<int>& parts) {
   header.info.windows = windows_of(exr.header(first));
   header.alpha = !parts.empty() && std::all_of(parts.begin(), parts.end(),
                                                [&](int part) { return exr.has_channel(part, "A"); });
+  header.layers = common_layers(exr, parts);
   header.width = exr.width(first);
   header.height = exr.height(first);
   if (int64_t{header.width} * header.height * std::max(header.spp, 1) > kMaxFrameSamples)
@@ -120,6 +156,37 @@ void require_features(const ExrReader& exr, const std::vector<int>& parts,
 
 }  // namespace
 
+namespace {
+
+/// Direct light and others are features and parts at once; no channel is read twice.
+void copy_features_to_parts(Frame& frame) {
+  for (LightPart& part : frame.parts) {
+    if (!frame.holds(part.name)) continue;
+    const size_t floats = 3 * frame.plane_size();
+    for (int s = 0; s < frame.spp; ++s)
+      std::copy_n(frame.plane(s, find_feature(part.name).offset), floats,
+                  part.samples.begin() + static_cast<std::ptrdiff_t>(static_cast<size_t>(s) * floats));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> choose_names(const std::vector<std::string>& names,
+                                      const std::vector<std::string>& patterns, const std::string& where) {
+  std::vector<std::string> chosen;
+  for (const std::string& pattern : patterns)
+    if (std::none_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; }))
+      fail("{}: no part of the light is called '{}'; {}", where, pattern,
+           names.empty() ? "there is none" : fmt::format("there are {}", fmt::join(names, ", ")));
+  for (const std::string& name : names)
+    if (std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+          return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+        }))
+      chosen.push_back(name);
+  return chosen;
+}
+
 int sample_number(const std::string& part_name) {
   if (part_name.size() < 4 || part_name.size() > 5 || part_name[0] != 's') return -1;
   if (!std::all_of(part_name.begin() + 1, part_name.end(), [](char c) { return c >= '0' && c <= '9'; }))
@@ -132,9 +199,10 @@ void keep_first_samples(Frame& frame, int samples, const std::filesystem::path& 
   if (samples == 0) return;
   frame.spp = samples;
   const size_t kept = static_cast<size_t>(samples) * frame.plane_size();
-  frame.samples.resize(kept * kSampleChannels);
+  frame.samples.resize(kept * static_cast<size_t>(frame.channels));
   frame.valid.resize(kept);
   if (!frame.alpha.empty()) frame.alpha.resize(kept);
+  for (LightPart& part : frame.parts) part.samples.resize(3 * kept);
 }
 
 std::string misnamed_text(const FrameHeader& header) {
@@ -150,7 +218,7 @@ FrameHeader read_frame_header(const std::filesystem::path& path) {
 }
 
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
-                 int samples, int threads) {
+                 int samples, int threads, const std::vector<std::string>& also) {
   const ExrReader exr(path);
   std::vector<int> parts = sample_parts(exr);
   const FrameHeader header = header_of(exr, parts);
@@ -165,10 +233,11 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   if (samples > 0) parts.resize(static_cast<size_t>(samples));
   require_features(exr, parts, required);
 
-  Frame frame(header.width, header.height, static_cast<int>(parts.size()));
+  Frame frame(header.width, header.height, static_cast<int>(parts.size()), frame_channels(header.features));
   frame.info = header.info;
   frame.features = header.features;
   if (header.alpha) frame.alpha.resize(frame.valid.size());
+  for (const std::string& name : choose_names(header.layers, also, exr.path())) frame.add_part(name);
   std::vector<ExrPartPlanes> wanted;
   for (int s = 0; s < frame.spp; ++s) {
     const int part = parts[static_cast<size_t>(s)];
@@ -186,6 +255,12 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
       planes.push_back(
           {"A", frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(), frame.plane_size()});
     }
+    for (size_t light = 0; light < frame.parts.size(); ++light)
+      for (int c = 0; c < 3 && !frame.holds(frame.parts[light].name); ++c) {
+        const std::string channel = frame.parts[light].name + "." + "RGB"[c];
+        exr.require_channel(part, channel, "");
+        planes.push_back({channel, frame.part_plane(light, s, c), frame.plane_size()});
+      }
     wanted.push_back({part, std::move(planes)});
   }
   // Rows are mended by who has decoded them, while they are in the cache.
@@ -200,9 +275,11 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
     faults.negative += found.negative;
     faults.not_finite += found.not_finite;
     faults.guides += found.guides;
+    faults.parts += found.parts;
   });
+  copy_features_to_parts(frame);
   faults.clamped = frame.info.clamped;
-  if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame);
+  if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame, threads);
   return frame;
 }
 

@@ -27,6 +27,12 @@ void warn_about_faults(const std::filesystem::path& path, const Faults& faults) 
         "{}: {} guides of samples that are NaN or infinite count as those of rays that escaped; the light is "
         "kept",
         path.string(), faults.guides);
+  if (faults.parts > 0)
+    spdlog::warn(
+        "{}: {} colours of light parts are NaN or infinite in samples whose radiance is not; they count as "
+        "0, "
+        "so the parts do not sum to the picture there",
+        path.string(), faults.parts);
 }
 
 void warn_about_faults(const std::filesystem::path& folder, const ManifestFrame& entry,

@@ -17,6 +17,8 @@ const char* encoding_name(Encoding encoding) {
       return "depth";
     case Encoding::squash:
       return "squash";
+    case Encoding::none:
+      return "none";
   }
   return "";
 }
@@ -49,6 +51,28 @@ const std::vector<Feature>& feature_schema() {
       // not in [MH20]: pixels from where the sample hit to where the picture saw that point of the surface at
       // the shutter opening of the previous frame, +x right, +y down; squashed like motion
       {"flow", kFlowOffset, 2, {"flow.X", "flow.Y"}, Encoding::squash, 16, Vector::y_down},
+      // For filters. Which object, which has one material, the sample shows: a whole number, the same in all
+      // frames of a sequence; 0 where the ray escaped
+      {"id", kIdOffset, 1, {"id"}, Encoding::none, 0, Vector::none},
+      // scene units: the depth at the end of flow in the previous frame's view less that at its beginning
+      {"flow_depth", kFlowDepthOffset, 1, {"flow.Z"}, Encoding::none, 0, Vector::none},
+      // Parts of radiance, their sum: of paths of two segments (camera, surface, light), of longer ones, and
+      // of one segment, which is light that the camera sees itself
+      {"direct", kDirectOffset, 3, {"direct.R", "direct.G", "direct.B"}, Encoding::tone_map, 0, Vector::none},
+      {"indirect",
+       kIndirectOffset,
+       3,
+       {"indirect.R", "indirect.G", "indirect.B"},
+       Encoding::tone_map,
+       0,
+       Vector::none},
+      {"emission",
+       kEmissionOffset,
+       3,
+       {"emission.R", "emission.G", "emission.B"},
+       Encoding::tone_map,
+       0,
+       Vector::none},
   };
   return schema;
 }
@@ -69,9 +93,27 @@ std::vector<std::string> feature_names() {
 }
 
 std::vector<std::string> mh20_feature_names() {
-  std::vector<std::string> names = feature_names();
+  std::vector<std::string> names = auto_feature_names();
   names.pop_back();  // flow
   return names;
+}
+
+std::vector<std::string> auto_feature_names() {
+  std::vector<std::string> names;
+  for (const Feature& feature : feature_schema())
+    if (feature.offset < kSampleChannels) names.push_back(feature.name);
+  return names;
+}
+
+void require_network_feature(const std::string& name) {
+  if (find_feature(name).encoding == Encoding::none)
+    fail_usage("the feature '{}' is for filters; expected another one in network.features", name);
+}
+
+int frame_channels(const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (find_feature(name).offset >= kSampleChannels) return kAllChannels;
+  return kSampleChannels;
 }
 
 int channel_count(const std::vector<std::string>& names) {

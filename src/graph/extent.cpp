@@ -5,12 +5,6 @@
 namespace ld::graph {
 namespace {
 
-int64_t count_of(const std::vector<int64_t>& shape) {
-  int64_t count = 1;
-  for (const int64_t side : shape) count *= side;
-  return count;
-}
-
 /// The parameters of each operator; of those that are not named here, none.
 struct ParametersOf {
   const Graph& graph;
@@ -51,8 +45,8 @@ struct ParametersOf {
   std::vector<Parameter> operator()(const Gather& op) const {
     return layers(op.generator, channels(0) + channels(1));
   }
-  std::vector<Parameter> operator()(const Modulate& op) const {
-    return layers({op.weights, {1}}, 1 + channels(2));
+  std::vector<Parameter> operator()(const ModulationFactors& op) const {
+    return layers({op.weights, {1}}, 1 + channels(1));
   }
 };
 
@@ -84,7 +78,7 @@ struct CostOf {
   NodeCost operator()(const Op&) const {
     NodeCost cost;
     for (const Parameter& parameter : parameters(graph, node))
-      if (parameter.shape.size() > 1) cost.weights += double(count_of(parameter.shape));
+      if (parameter.shape.size() > 1) cost.weights += double(count_of(parameter));
     return cost;
   }
   NodeCost operator()(const FullyConnected& op) const {
@@ -126,6 +120,18 @@ std::vector<Parameter> parameters(const Graph& graph) {
     for (Parameter& parameter : parameters(graph, node))
       if (names.insert(parameter.name).second) all.push_back(std::move(parameter));
   return all;
+}
+
+int64_t count_of(const Parameter& parameter) {
+  int64_t count = 1;
+  for (const int64_t side : parameter.shape) count *= side;
+  return count;
+}
+
+int64_t parameter_count(const Graph& graph) {
+  int64_t count = 0;
+  for (const Parameter& parameter : parameters(graph)) count += count_of(parameter);
+  return count;
 }
 
 NodeCost cost_of(const Graph& graph, const Node& node, const PictureExtent& picture) {

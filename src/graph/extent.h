@@ -29,6 +29,10 @@ struct Parameter {
 std::vector<Parameter> parameters(const Graph& graph);
 std::vector<Parameter> parameters(const Graph& graph, const Node& node);
 
+/// How many numbers a parameter, or all parameters of a graph, are.
+int64_t count_of(const Parameter& parameter);
+int64_t parameter_count(const Graph& graph);
+
 /// What a node multiplies and adds for one frame: with its weights, and with the taps of its kernels
 /// (models/graphs/network_cost.h has the rules).
 struct NodeCost {

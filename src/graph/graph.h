@@ -10,6 +10,15 @@
 
 namespace ld::graph {
 
+/// What is filtered beside a frame's radiance, with the weights of that: kernels are weights, so that what
+/// adds up before them does so behind them.
+struct LightParts {
+  int64_t colours = 0;  // the first so many of Frame::parts
+  bool alpha = false;   // Frame::alpha
+  int64_t channels() const { return 3 * colours + (alpha ? 1 : 0); }
+  bool operator==(const LightParts& other) const { return colours == other.colours && alpha == other.alpha; }
+};
+
 /// What a value has one of, at each of its pixels.
 enum class Items { picture, samples, layers };
 
@@ -21,6 +30,7 @@ struct Value {
   int64_t channels = 0;
   int level = 0;
   bool padded = false;  // of the picture whose sides are padded to Graph::multiple
+  int64_t parts = 0;    // its last so many channels are of LightParts: nothing else depends on them
 };
 
 /// A value by its place in Graph::values.
@@ -35,9 +45,10 @@ struct Graph {
   int64_t layers = 0;    // items of values with layers
   int64_t multiple = 1;  // of which the sides of padded pictures are a multiple
   bool exposed = false;  // radiance is seen times the frame's exposure (models/exposure.h)
+  LightParts parts;
   std::vector<Value> values;
   std::vector<Node> nodes;       // each behind those that it reads
-  ValueId output = 0;            // [1, 3, H, W], linear radiance
+  ValueId output = 0;            // [1, 3 + parts, H, W], linear radiance
   std::vector<ValueId> further;  // outputs beside it, of full resolution
 
   ValueId add_value(Value value);

@@ -10,8 +10,8 @@
 
 namespace ld::graph {
 
-/// The frame -> encoded features [S, F], radiance [S, 3], valid [S, 1] (frame/encoding.h). Of features, the
-/// radiance is exposed where Graph::exposed says so.
+/// The frame -> encoded features [S, F], radiance [S, 3] and behind it Graph::parts, valid [S, 1]
+/// (frame/encoding.h). Of features, the radiance is exposed where Graph::exposed says so.
 struct Encode {
   std::vector<std::string> features;
 };
@@ -86,8 +86,10 @@ struct Received {
 /// models/networks/optimized_network.h).
 struct BlendLevels {};
 
-/// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what Modulate
-/// needs [1, 4] (models/demodulation.h). First channels of the features that are there, else -1.
+/// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what
+/// ModulationFactors needs [1, 4] (models/demodulation.h). First channels of the features that are there,
+/// else -1. Behind the radiance's come both forms of all coloured parts, the divided ones first, then alpha
+/// as it is.
 struct Demodulate {
   int64_t albedo = -1, specular = -1;
 };
@@ -124,6 +126,16 @@ struct Gather {
 /// side, whose deviation is a sixth of that (models/networks/pixel_blend_network.cpp).
 struct Blur {
   int64_t kernel = 1;
+
+  /// Of each tap, row by row: -d^2 / (2 sigma^2).
+  std::vector<double> logits() const {
+    std::vector<double> all;
+    const int64_t radius = kernel / 2;
+    for (int64_t dy = -radius; dy <= radius; ++dy)
+      for (int64_t dx = -radius; dx <= radius; ++dx)
+        all.push_back(-18.0 * double(dy * dy + dx * dx) / double(kernel * kernel));
+    return all;
+  }
 };
 
 /// logit [1, 1], valid [1, 1], x [1, C], y [1, C] -> k x + (1 - k) y with k = sigmoid(logit), 0 where not
@@ -133,10 +145,13 @@ struct Mix {};
 /// [N, C + 1], the transmittance last -> [1, C] ([MH20] eq. 5; models/compositor.h).
 struct Composite {};
 
-/// filtered [1, 6], modulators [1, 4], context [1, C] -> [1, 3] (models/demodulation.h).
-struct Modulate {
+/// modulators [1, 4], context [1, C] -> A [1, 3] and beta [1, 1], in one value (models/demodulation.h).
+struct ModulationFactors {
   std::string weights;
 };
+
+/// filtered [1, 6], factors [1, 4] -> [1, 3] (models/demodulation.h).
+struct Modulate {};
 
 /// -> [N, N]: item l is 1 in channel l, else 0; whose splat tells how much of a pixel comes from layer l.
 struct LayerIdentity {};
@@ -144,7 +159,7 @@ struct LayerIdentity {};
 using Operator =
     std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped, FullyConnected,
                  Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
-                 Reject, Splat, Gather, Blur, Mix, Composite, Modulate, LayerIdentity>;
+                 Reject, Splat, Gather, Blur, Mix, Composite, ModulationFactors, Modulate, LayerIdentity>;
 
 /// Whether each pixel is made from the same pixel of the inputs alone.
 bool is_pixelwise(const Operator& op);

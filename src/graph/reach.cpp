@@ -28,7 +28,7 @@ struct ReadTo {
   }
   int64_t operator()(const Gather& op) const { return end + op.kernel / 2; }
   int64_t operator()(const Blur& op) const { return end + op.kernel / 2; }
-  int64_t operator()(const Modulate&) const { return end + 1; }
+  int64_t operator()(const ModulationFactors&) const { return end + 1; }
 };
 
 /// The first input row that output rows from `begin` on still read.
@@ -54,7 +54,7 @@ struct ReadFrom {
   }
   int64_t operator()(const Gather& op) const { return begin - op.kernel / 2; }
   int64_t operator()(const Blur& op) const { return begin - op.kernel / 2; }
-  int64_t operator()(const Modulate&) const { return begin - 1; }
+  int64_t operator()(const ModulationFactors&) const { return begin - 1; }
 };
 
 /// What reads neighbours, or has its own way with borders.
@@ -72,7 +72,7 @@ struct ReadsAround {
   bool operator()(const Splat&) const { return true; }
   bool operator()(const Gather&) const { return true; }
   bool operator()(const Blur&) const { return true; }
-  bool operator()(const Modulate&) const { return true; }
+  bool operator()(const ModulationFactors&) const { return true; }
 };
 
 }  // namespace

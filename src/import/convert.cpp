@@ -64,6 +64,12 @@ double Converter::need_fov(const FeatureMapping& mapping, const std::string& wha
   return *camera.fov_y;
 }
 
+Imath::V3d Converter::ray_of(size_t pixel, double fov) const {
+  const auto width = static_cast<size_t>(width_);
+  return ray_through(picture_, windows_, fov, static_cast<int>(pixel % width),
+                     static_cast<int>(pixel / width));
+}
+
 void Converter::normals(const FeatureMapping& mapping, Planes& planes) const {
   const bool world = mapping.space == "world";
   const ViewCamera* camera = world ? &need_camera(mapping, "normals in world space") : nullptr;
@@ -77,12 +83,7 @@ void Converter::normals(const FeatureMapping& mapping, Planes& planes) const {
     const double length = normal.length();
     if (length > 1e-6) normal /= length;  // also of a mean over samples
     if (length <= 1e-6) normal = {0, 0, 0};
-    if (mapping.face_camera) {
-      const auto x = static_cast<int>(p % static_cast<size_t>(width_));
-      const auto y = static_cast<int>(p / static_cast<size_t>(width_));
-      const Imath::V3d ray = ray_through(picture_, windows_, fov, x, y).normalized();
-      if (normal.dot(ray) > tolerance) normal = -normal;
-    }
+    if (mapping.face_camera && normal.dot(ray_of(p, fov).normalized()) > tolerance) normal = -normal;
     for (unsigned c = 0; c < 3; ++c) planes[c][p] = static_cast<float>(normal[c]) + 0.0F;  // no -0
   }
 }
@@ -95,11 +96,7 @@ double Converter::depth_at(const FeatureMapping& mapping, const Planes& scaled, 
   }
   double value = scaled[0][pixel];
   if (mapping.inverse) value = 1 / value;
-  if (mapping.kind == "distance") {
-    const auto x = static_cast<int>(pixel % static_cast<size_t>(width_));
-    const auto y = static_cast<int>(pixel / static_cast<size_t>(width_));
-    value /= ray_through(picture_, windows_, *camera_->fov_y, x, y).length();  // |z| = 1: the cosine
-  }
+  if (mapping.kind == "distance") value /= ray_of(pixel, *camera_->fov_y).length();  // |z| = 1: the cosine
   return value + mapping.near;
 }
 

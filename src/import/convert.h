@@ -38,6 +38,7 @@ class Converter {
 
   const ViewCamera& need_camera(const FeatureMapping& mapping, const std::string& what) const;
   double need_fov(const FeatureMapping& mapping, const std::string& what) const;
+  Imath::V3d ray_of(size_t pixel, double fov) const;
   void normals(const FeatureMapping& mapping, Planes& planes) const;
   Planes depth(const FeatureMapping& mapping, const Planes& raw, const Planes& scaled);
   double depth_at(const FeatureMapping& mapping, const Planes& scaled, size_t pixel) const;

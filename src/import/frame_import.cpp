@@ -13,8 +13,11 @@
 #include "core/error.h"
 #include "frame/exr_check.h"
 #include "frame/exr_reader.h"
+#include "frame/frame_attributes.h"
+#include "frame/frame_file.h"
 #include "import/file_views.h"
 #include "import/former_result.h"
+#include "import/light_parts.h"
 #include "import/sample_window.h"
 #include "import/source_plan.h"
 
@@ -31,8 +34,11 @@ std::vector<std::string> feature_list(const SourceSample& sample) {
 
 /// Of the view that was read.
 std::vector<std::string> unused_channels(const ExrReader& exr, const FileViews& views,
-                                         const std::vector<SourceSample>& samples) {
+                                         const std::vector<SourceSample>& samples,
+                                         const std::vector<SourcePart>& parts) {
   std::set<std::pair<int, std::string>> used;
+  for (const SourcePart& part : parts)
+    for (const SourceChannel& channel : part.channels) used.insert({channel.part, channel.name});
   for (const SourceSample& sample : samples) {
     for (const SourceFeature& feature : sample.features)
       for (const SourceChannel& channel : feature.channels) used.insert({channel.part, channel.name});
@@ -58,6 +64,23 @@ std::string taken_text(const SourceFeature& source) {
   return text;
 }
 
+std::vector<std::string> names_of(const std::vector<SourcePart>& parts) {
+  std::vector<std::string> names;
+  for (const SourcePart& part : parts) names.push_back(part.name);
+  return names;
+}
+
+std::string taken_text(const SourcePart& part) {
+  std::string text = part.name + ": ";
+  size_t channel = 0;
+  for (size_t term = 0; term < part.factors.size(); ++term)
+    for (size_t f = 0; f < part.factors[term]; ++f, channel += 3) {
+      const std::string& name = part.channels[channel].name;
+      text += (f > 0 ? " * " : term > 0 ? " + " : "") + name.substr(0, name.size() - 2);
+    }
+  return text;
+}
+
 std::string generator_of(const ExrReader& exr, const ImportMapping& mapping) {
   for (const char* name : {"generatedBy", "Software", "software"})
     if (const auto* text = exr.header(0).findTypedAttribute<Imf::StringAttribute>(name)) return text->value();
@@ -71,17 +94,34 @@ std::string describe(const ViewCamera& camera) {
                      camera.fov_y ? fmt::format("; vertical fov {:g} rad", *camera.fov_y) : "");
 }
 
+void add_matrices(const ViewCamera& camera, const Picture& picture, FrameInfo& info) {
+  const auto triple = [](const Imath::V3d& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  const CameraPlace place = {triple(camera.position), triple(camera.right), triple(camera.up),
+                             triple(camera.back)};
+  info.world_to_camera = world_to_camera(place);
+  if (!camera.fov_y) return;
+  const double half_height = std::tan(0.5 * *camera.fov_y);
+  info.world_to_ndc = world_to_ndc(place, half_height * picture.width / picture.height, half_height);
+}
+
 /// Fills a frame sample by sample.
 class FrameBuilder {
  public:
-  FrameBuilder(ImportMapping mapping, std::optional<ViewCamera> camera, bool allow_identical)
-      : mapping_(std::move(mapping)), camera_(std::move(camera)), allow_identical_(allow_identical) {}
+  FrameBuilder(ImportMapping mapping, std::optional<ViewCamera> camera, bool allow_identical,
+               std::vector<std::string> also)
+      : mapping_(std::move(mapping)),
+        camera_(std::move(camera)),
+        allow_identical_(allow_identical),
+        also_(std::move(also)) {}
 
   /// Looks at a file's header only.
   void survey(const std::filesystem::path& path) {
     const ExrReader exr(path);
     const std::vector<SourceSample> samples = plan_for(exr);
     if (spp_ == 0) start(exr, samples[0]);
+    if (const std::vector<std::string> parts = names_of(chosen_parts(exr)); parts != parts_)
+      fail("{}: holds the light parts {}, but {} {}; expected the same in all samples", exr.path(),
+           fmt::join(parts, ", "), first_file_, fmt::join(parts_, ", "));
     for (const SourceSample& sample : samples) {
       for (const SourceChannel& channel : sample.features[0].channels)
         if (is_denoised(exr, FileViews(exr, mapping_.view), channel.part))
@@ -103,10 +143,13 @@ class FrameBuilder {
     const ExrReader exr(path);
     const std::vector<SourceSample> samples = plan_for(exr);
     if (result_.frame.spp == 0) allocate(exr, samples[0]);
+    std::vector<std::vector<SourcePart>> parts(samples.size());
+    if (!also_.empty()) parts = plan_light_parts(exr, mapping_);
     for (size_t i = 0; i < samples.size(); ++i) {
       if (next_ >= spp_ || feature_list(samples[i]) != features_ ||
-          (samples[i].alpha.mapping != nullptr) != has_alpha_)
+          (samples[i].alpha.mapping != nullptr) != has_alpha_ || parts.size() != samples.size())
         fail("{}: changed while it was read; try again", exr.path());
+      read_parts(exr, parts[i]);
       read_sample(exr, samples[i],
                   samples.size() == 1 ? path.string() : fmt::format("{}, sample {}", path.string(), i));
     }
@@ -118,6 +161,7 @@ class FrameBuilder {
     for (const std::string& note : window_.notes()) result_.notes.push_back(note);
     for (const std::string& feature : window_.elsewhere()) leave_out(feature);
     drop_useless_depth();
+    drop_useless_id();
     result_.faults = sanitise(frame);
     require_valid_sample(frame, first_file_);
     frame.info.depth_scale = median_depth(frame);
@@ -140,12 +184,45 @@ class FrameBuilder {
     return samples;
   }
 
+  /// Those of a file's first sample that are asked for.
+  std::vector<SourcePart> chosen_parts(const ExrReader& exr) const {
+    if (also_.empty()) return {};
+    std::vector<SourcePart> parts = plan_light_parts(exr, mapping_)[0];
+    const std::vector<std::string> chosen = choose_names(names_of(parts), also_, exr.path());
+    parts.erase(std::remove_if(parts.begin(), parts.end(),
+                               [&](const SourcePart& part) {
+                                 return std::count(chosen.begin(), chosen.end(), part.name) == 0;
+                               }),
+                parts.end());
+    return parts;
+  }
+
+  void read_parts(const ExrReader& exr, const std::vector<SourcePart>& parts) {
+    Frame& frame = result_.frame;
+    for (const SourcePart& part : parts) {
+      const auto name = std::find(parts_.begin(), parts_.end(), part.name);
+      if (name == parts_.end()) continue;
+      FeatureMapping as_it_is;
+      as_it_is.feature = "radiance";
+      as_it_is.scale.assign(part.channels.size(), 1);
+      as_it_is.offset.assign(part.channels.size(), 0);
+      const Planes planes =
+          sum_of_products(part, read_feature(exr, {&as_it_is, part.channels}, extent_, *converter_));
+      for (int c = 0; c < 3; ++c)
+        std::copy(planes[static_cast<size_t>(c)].begin(), planes[static_cast<size_t>(c)].end(),
+                  frame.part_plane(static_cast<size_t>(name - parts_.begin()), next_, c));
+    }
+  }
+
   void start(const ExrReader& exr, const SourceSample& sample) {
     first_file_ = exr.path();
     features_ = feature_list(sample);
     has_alpha_ = sample.alpha.mapping != nullptr;
     const FileViews views(exr, mapping_.view);
-    if (!camera_) camera_ = views.camera();
+    if (!camera_) {
+      camera_ = views.camera();
+      if (camera_) result_.frame.info.world_to_ndc = read_matrix(exr.header(0), kWorldToNdc);
+    }
     mapping_.view = views.chosen();  // of all files, whichever is their own hero
     result_.view = views.chosen();
     if (views.all().size() > 1)
@@ -153,7 +230,10 @@ class FrameBuilder {
           fmt::format("view: {}, of {}; --view NAME takes another", views.chosen(), views.list());
     for (const SourceFeature& feature : sample.features) result_.taken.push_back(taken_text(feature));
     if (sample.alpha.mapping != nullptr) result_.taken.push_back(taken_text(sample.alpha));
-    result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all));
+    const std::vector<SourcePart> parts = chosen_parts(exr);
+    parts_ = names_of(parts);
+    for (const SourcePart& part : parts) result_.taken.push_back(taken_text(part));
+    result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all), parts);
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
     for (const SourceFeature& feature : sample.features) first_mapping_.push_back(feature.mapping);
@@ -164,6 +244,7 @@ class FrameBuilder {
     extent_ = window_.extent();
     FrameInfo info = result_.frame.info;
     info.windows = extent_.windows;
+    if (camera_) add_matrices(*camera_, picture_of(extent_.width, extent_.height, extent_.windows), info);
     converter_.emplace(extent_.width, extent_.height, extent_.windows, camera_);
     shared_.resize(features_.size());
     if (feature_list(sample) != features_) fail("{}: changed while it was read; try again", exr.path());
@@ -173,10 +254,11 @@ class FrameBuilder {
       shared_[i] = read_feature(exr, feature, extent_, *converter_);
       result_.repeated.push_back(feature.mapping->feature);
     }
-    result_.frame = Frame(extent_.width, extent_.height, spp_);
+    result_.frame = Frame(extent_.width, extent_.height, spp_, frame_channels(features_));
     result_.frame.info = info;
     result_.frame.features = features_;
     if (has_alpha_) result_.frame.alpha.resize(result_.frame.valid.size());
+    for (const std::string& name : parts_) result_.frame.add_part(name);
   }
 
   void read_sample(const ExrReader& exr, const SourceSample& sample, const std::string& where) {
@@ -232,9 +314,22 @@ class FrameBuilder {
         "depth left out: it says that every ray escaped, but the normals show surfaces; is the pass empty?");
   }
 
+  /// Objects that nobody numbered are all the same.
+  void drop_useless_id() {
+    Frame& frame = result_.frame;
+    if (!frame.holds("id")) return;
+    for (int s = 0; s < frame.spp; ++s) {
+      const float* id = frame.plane(s, kIdOffset);
+      if (std::any_of(id, id + frame.plane_size(), [](float value) { return value != 0; })) return;
+    }
+    leave_out("id");
+    result_.notes.emplace_back("id left out: it is 0 in every pixel; number the objects from 1 on");
+  }
+
   ImportMapping mapping_;
   std::optional<ViewCamera> camera_;
   bool allow_identical_;
+  std::vector<std::string> also_, parts_;  // patterns, and the names of the light parts that they fit
   std::string first_file_;
   FrameWindow window_;
   Extent extent_;  // when it is known
@@ -251,9 +346,10 @@ class FrameBuilder {
 }  // namespace
 
 ImportedFrame import_frame(const std::vector<std::filesystem::path>& files, const ImportMapping& mapping,
-                           const std::optional<ViewCamera>& camera, bool allow_identical) {
+                           const std::optional<ViewCamera>& camera, bool allow_identical,
+                           const std::vector<std::string>& also) {
   if (files.empty()) fail_usage("no files with samples; name them behind the options");
-  FrameBuilder builder(mapping, camera, allow_identical);
+  FrameBuilder builder(mapping, camera, allow_identical, also);
   for (const std::filesystem::path& file : files) builder.survey(file);
   for (const std::filesystem::path& file : files) builder.read(file);
   return builder.finish();

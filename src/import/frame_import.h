@@ -29,8 +29,11 @@ struct ImportedFrame {
 /// Channels are placed by the data windows of their parts (sample_window.h). Throws Error: different display
 /// windows, features that only some files hold, two samples with the same noise (unless `allow_identical`),
 /// pictures that were denoised already, no sample that is finite, and what plan_samples() and Converter say.
+/// Of the light parts that the mapping finds, those that a pattern of `also` fits are in the frame, too
+/// (choose_names in frame/frame_file.h).
 ImportedFrame import_frame(const std::vector<std::filesystem::path>& files, const ImportMapping& mapping,
-                           const std::optional<ViewCamera>& camera, bool allow_identical);
+                           const std::optional<ViewCamera>& camera, bool allow_identical,
+                           const std::vector<std::string>& also = {});
 
 /// Throws Error where no sample of any pixel counts: there is nothing to denoise or to learn from.
 void require_valid_sample(const Frame& frame, const std::string& file);

@@ -50,6 +50,18 @@ const Hdf5Group& hdf5_scene_depth() {
   return depth;
 }
 
+const std::vector<Hdf5Group>& hdf5_filter_layout() {
+  static const std::vector<Hdf5Group> layout = {
+      {"flow", 2, {"flow", nullptr}},
+      {"id", 1, {"id", nullptr}, true},
+      {"flow_depth", 1, {"flow_depth", nullptr}},
+      {"direct", 3, {"direct", nullptr}},
+      {"indirect", 3, {"indirect", nullptr}},
+      {"emission", 3, {"emission", nullptr}},
+  };
+  return layout;
+}
+
 void frame_from_hdf5_units(Frame& frame, Hdf5Depth depth, float depth_scale) {
   scale_motion(frame, 0.5F * static_cast<float>(frame.width), -0.5F * static_cast<float>(frame.height));
   if (!frame.holds("depth") || depth == Hdf5Depth::scene) return;

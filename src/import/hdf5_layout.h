@@ -18,6 +18,7 @@ struct Hdf5Group {
   const char* name;
   int channels;
   std::array<const char*, 2> features;  // the second may be nullptr
+  bool full = false;                    // floats, not half floats
 };
 
 /// color 3, normals_depth 4, albedo 3, specular 4 (colour, roughness), motionvecs 3 (NDC motion vector,
@@ -27,6 +28,10 @@ const std::vector<Hdf5Group>& hdf5_layout();
 /// What this project writes besides: depths as frames hold them. Half floats between 0.5 and 1 are 1/2048
 /// apart, so that d / (d + s) has an error of a tenth at d = 400 s.
 const Hdf5Group& hdf5_scene_depth();
+
+/// What filters and sequences need, as frames hold it, a data set for each feature: another thing that this
+/// project writes besides, where all frames have it.
+const std::vector<Hdf5Group>& hdf5_filter_layout();
 
 /// How the channel of depths is meant. `ratio`: d / (d + s), s the frame's depth scale, 1 where the ray
 /// escaped (what this project writes, with s in the data set `depth_scale`); `linear`: as it stands, where

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/child_process.h"
 #include "core/error.h"
+#include "core/process/child_process.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "frame/exr_check.h"
@@ -15,10 +15,11 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-void require_shape(const Hdf5Data& data, const std::vector<uint64_t>& expected) {
-  if (data.dimensions != expected)
-    fail("{}: of the shape [{}]; expected [{}]", data.where, fmt::join(data.dimensions, ", "),
-         fmt::join(expected, ", "));
+void open_group(const Hdf5File& file, const Hdf5Group& layout, std::vector<OpenGroup>& groups) {
+  groups.push_back({&layout, file.data(layout.name, 5)});
+  std::vector<uint64_t> expected = groups[0].data->dimensions;
+  expected[2] = static_cast<uint64_t>(layout.channels);
+  require_shape(*groups.back().data, expected);
 }
 
 /// The groups of a file of samples, checked against each other; color comes first.
@@ -30,11 +31,10 @@ std::vector<OpenGroup> open_groups(const Hdf5File& file, std::vector<std::string
       left_out.emplace_back(layout.name);
       continue;
     }
-    groups.push_back({&layout, file.data(layout.name, 5)});
-    std::vector<uint64_t> expected = groups[0].data->dimensions;
-    expected[2] = static_cast<uint64_t>(layout.channels);
-    require_shape(*groups.back().data, expected);
+    open_group(file, layout, groups);
   }
+  for (const Hdf5Group& layout : hdf5_filter_layout())
+    if (file.has(layout.name)) open_group(file, layout, groups);
   const std::vector<uint64_t>& size = groups[0].data->dimensions;
   if (size[1] > kMaxSamples || size[3] > kMaxImageSide || size[4] > kMaxImageSide ||
       size[1] * size[3] * size[4] > static_cast<uint64_t>(kMaxFrameSamples))
@@ -64,6 +64,7 @@ class OpenPair {
         reference_file_(Hdf5File::open(references)),
         groups_(open_groups(*file_, left_out)),
         reference_(reference_file_->data("color", 4)),
+        cameras_(Hdf5Cameras::open(*file_, size(0))),
         depth_(depth),
         scales_(size(0), 1) {
     require_shape(*reference_, {size(0), 3, size(3), size(4)});
@@ -83,12 +84,14 @@ class OpenPair {
 
   /// In the project's units; `faults` receives what had to be masked.
   Frame frame(uint64_t i, Faults& faults) {
-    Frame frame(static_cast<int>(size(4)), static_cast<int>(size(3)), static_cast<int>(size(1)));
-    frame.features.clear();
-    for (const OpenGroup& group : groups_) {
-      for (const std::string& feature : features_of(*group.layout)) frame.features.push_back(feature);
-      group.read(i, frame, values_);
-    }
+    std::vector<std::string> features;
+    for (const OpenGroup& group : groups_)
+      for (const std::string& feature : features_of(*group.layout)) features.push_back(feature);
+    Frame frame(static_cast<int>(size(4)), static_cast<int>(size(3)), static_cast<int>(size(1)),
+                frame_channels(features));
+    frame.features = std::move(features);
+    for (const OpenGroup& group : groups_) group.read(i, frame, values_);
+    cameras_.read(i, frame.info);
     if (scene_depth_) scene_depth_->read(i, frame, values_);
     faults = sanitise(frame);
     frame_from_hdf5_units(frame, depth_, scales_[i]);
@@ -110,6 +113,7 @@ class OpenPair {
   std::vector<OpenGroup> groups_;
   std::optional<OpenGroup> scene_depth_;
   std::unique_ptr<Hdf5Data> reference_;
+  Hdf5Cameras cameras_;
   Hdf5Depth depth_;
   std::vector<float> scales_, values_;
 };

@@ -9,7 +9,6 @@
 #include "core/signals.h"
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
-#include "frame/half_range.h"
 #include "import/hdf5_group.h"
 
 namespace ld {
@@ -40,7 +39,7 @@ struct Source {
 void prepare_radiance(Frame& frame, Image& reference, Hdf5Report& report) {
   const size_t pixels = frame.plane_size();
   for (int s = 0; s < frame.spp; ++s) {
-    report.clamped += fit_colours_in_half(frame.plane(s, 0), frame.plane(s, 1), frame.plane(s, 2), pixels);
+    report.clamped += fit_in_half(frame, s);
     for (int c = 0; c < 3; ++c)
       for (size_t p = 0; p < pixels; ++p)
         if (frame.valid_plane(s)[p] == 0) frame.plane(s, c)[p] = std::numeric_limits<float>::quiet_NaN();
@@ -57,7 +56,8 @@ void write_files(const Source& source, const fs::path& samples, const fs::path& 
                  width = static_cast<uint64_t>(source.first.width);
   const auto make_group = [&](const Hdf5Group& layout) -> OpenGroup {
     return {&layout,
-            file->make(layout.name, {frames, spp, static_cast<uint64_t>(layout.channels), height, width})};
+            file->make(layout.name, {frames, spp, static_cast<uint64_t>(layout.channels), height, width},
+                       layout.full)};
   };
   std::vector<OpenGroup> groups;
   std::optional<OpenGroup> scene_depth;
@@ -67,6 +67,7 @@ void write_files(const Source& source, const fs::path& samples, const fs::path& 
   }
   const std::unique_ptr<Hdf5Data> scales = file->make("depth_scale", {frames}, true);
   const std::unique_ptr<Hdf5Data> reference = reference_file->make("color", {frames, 3, height, width});
+  const Hdf5Cameras cameras = Hdf5Cameras::make(*file, source.first, frames);
   std::vector<float> values;
   Progress progress("frames", static_cast<int64_t>(frames));
   for (uint64_t i = 0; i < frames; ++i) {
@@ -74,6 +75,7 @@ void write_files(const Source& source, const fs::path& samples, const fs::path& 
     FramePair pair = read_frame_pair(source.folder, source.entries[i], source.needed);
     report.faulty_samples += pair.faults.not_finite;
     scales->write_frame(i, {pair.frame.info.depth_scale});
+    cameras.write(i, pair.frame.info, source.entries[i].name);
     prepare_radiance(pair.frame, pair.reference.image, report);
     if (scene_depth) scene_depth->write(i, pair.frame, values);
     frame_to_hdf5_units(pair.frame);
@@ -114,7 +116,15 @@ Hdf5Report data_set_to_hdf5(const fs::path& folder, const std::string& split, co
     needed.insert(needed.end(), features.begin(), features.end());
     layouts.push_back(&layout);
   }
-  if (held["flow"] > 0) report.left_out.emplace_back("flow");
+  for (const Hdf5Group& layout : hdf5_filter_layout()) {
+    const size_t frames = held[layout.features[0]];
+    if (frames == entries.size()) {
+      needed.emplace_back(layout.features[0]);
+      layouts.push_back(&layout);
+    } else if (frames > 0) {
+      report.left_out.emplace_back(layout.name);
+    }
+  }
   try {
     write_atomically(samples, [&](const fs::path& samples_path) {
       write_atomically(references, [&](const fs::path& references_path) {

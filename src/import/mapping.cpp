@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "frame/schema.h"
+#include "import/light_parts.h"
 #include "import/presets.h"
 
 namespace ld {
@@ -84,6 +85,7 @@ ImportMapping read_mapping(const std::string& name, const std::filesystem::path&
   check_feature(mapping.alpha, mapping, "alpha");
   for (size_t i = 0; i < mapping.features.size(); ++i)
     check_feature(mapping.features[i], mapping, mapping.features[i].feature + (i % 2 == 0 ? "" : "_2"));
+  for (const std::string& part : mapping.parts) parse_light_part(part);
   if (mapping.features[0].channels.empty())
     fail_usage("mapping: no radiance.channels; expected the patterns of its red, green and blue channel");
   return mapping;

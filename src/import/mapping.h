@@ -69,6 +69,7 @@ struct ImportMapping {
   FeatureMapping alpha;     // as a feature, with one channel
   /// All features of the schema, each with its second choice behind it: taken where a file lacks the first.
   std::vector<FeatureMapping> features;
+  std::vector<std::string> parts;  // of the light, "NAME = LAYER * LAYER + LAYER" (light_parts.h)
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -79,6 +80,7 @@ struct ImportMapping {
     v.section("alpha", alpha);
     for (size_t i = 0; i < features.size(); ++i)
       v.section(features[i].feature + (i % 2 == 0 ? "" : "_2"), features[i]);
+    v.field("parts", parts);
   }
 };
 

@@ -58,13 +58,10 @@ std::string recognise_preset(const ExrReader& exr, const std::string& view,
   }
   if (!best.empty()) return best;
   if (!doubt.empty()) fail("{}", doubt);
-  std::string channels;
-  for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
-    channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
   fail(
       "{}: no picture that the presets ({}) know; the file has {}; say which channels are what with "
       "--mapping",
-      exr.path(), fmt::join(preset_names(), ", "), channels);
+      exr.path(), fmt::join(preset_names(), ", "), channels_of_parts(exr));
 }
 
 }  // namespace ld

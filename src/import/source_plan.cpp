@@ -4,20 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include "core/error.h"
 #include "core/shown_text.h"
 #include "frame/schema.h"
 #include "import/channel_pattern.h"
-#include "import/file_views.h"
 
 namespace ld {
 namespace {
-
-/// Sample number (-1: of all samples) to channel.
-using Found = std::map<int, SourceChannel>;
 
 std::string place(const ExrReader& exr, const SourceChannel& channel) {
   const std::string part = exr.part_name(channel.part);
@@ -36,9 +31,10 @@ std::optional<PatternMatch> match_channel(const ExrReader& exr, const FileViews&
 }
 
 /// All channels that one alternative of a pattern fits.
-Found find_channels(const ExrReader& exr, const FileViews& views, const std::string& part_pattern,
-                    const std::string& pattern, const std::string& layer) {
-  Found found;
+FoundChannels channels_of_pattern(const ExrReader& exr, const FileViews& views,
+                                  const std::string& part_pattern, const std::string& pattern,
+                                  const std::string& layer) {
+  FoundChannels found;
   for (int part = 0; part < exr.parts(); ++part) {
     const std::optional<PatternMatch> in_part =
         match_pattern(with_layer(part_pattern, layer), exr.part_name(part));
@@ -60,25 +56,15 @@ Found find_channels(const ExrReader& exr, const FileViews& views, const std::str
   return found;
 }
 
-/// The first alternative that fits anything.
-Found find_component(const ExrReader& exr, const FileViews& views, const ImportMapping& mapping,
-                     const FeatureMapping& feature, size_t component) {
-  const std::string& part = feature.part.empty() ? mapping.part : feature.part;
-  for (const std::string& alternative :
-       pattern_alternatives(with_layer(feature.channels[component], mapping.layer))) {
-    Found found = find_channels(exr, views, part, alternative, mapping.layer);
-    if (!found.empty()) return found;
-  }
-  return {};
-}
-
 /// The components of a feature; empty when the file has none of them.
-std::vector<Found> find_feature_channels(const ExrReader& exr, const FileViews& views,
-                                         const ImportMapping& mapping, const FeatureMapping& feature) {
-  std::vector<Found> components;
+std::vector<FoundChannels> find_feature_channels(const ExrReader& exr, const FileViews& views,
+                                                 const ImportMapping& mapping,
+                                                 const FeatureMapping& feature) {
+  std::vector<FoundChannels> components;
   size_t there = 0;
   for (size_t c = 0; c < feature.channels.size(); ++c) {
-    components.push_back(find_component(exr, views, mapping, feature, c));
+    components.push_back(find_channels(
+        exr, views, mapping, feature.part.empty() ? mapping.part : feature.part, feature.channels[c]));
     if (!components.back().empty()) ++there;
   }
   if (there == 0) return {};
@@ -94,10 +80,10 @@ std::vector<Found> find_feature_channels(const ExrReader& exr, const FileViews& 
 
 /// The feature's channels of one sample.
 SourceFeature of_sample(const ExrReader& exr, const FeatureMapping& feature,
-                        const std::vector<Found>& components, int sample) {
+                        const std::vector<FoundChannels>& components, int sample) {
   SourceFeature result;
   result.mapping = &feature;
-  for (const Found& component : components) {
+  for (const FoundChannels& component : components) {
     auto at = component.find(feature.per_sample ? sample : -1);
     if (at == component.end())
       fail("{}: no channel '{}' of {} for sample {}; {}", exr.path(),
@@ -110,20 +96,41 @@ SourceFeature of_sample(const ExrReader& exr, const FeatureMapping& feature,
   return result;
 }
 
-std::vector<Found> radiance_of(const ExrReader& exr, const FileViews& views, const ImportMapping& mapping) {
+std::vector<FoundChannels> radiance_of(const ExrReader& exr, const FileViews& views,
+                                       const ImportMapping& mapping) {
   const FeatureMapping& radiance = mapping.features[0];
-  std::vector<Found> found = find_feature_channels(exr, views, mapping, radiance);
+  std::vector<FoundChannels> found = find_feature_channels(exr, views, mapping, radiance);
   if (found.empty() && !mapping.features[1].channels.empty())
     found = find_feature_channels(exr, views, mapping, mapping.features[1]);
   if (!found.empty()) return found;
-  std::string channels;
-  for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
-    channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
   fail("{}: no radiance: nothing fits {}; the file has {}; choose another --preset or --mapping", exr.path(),
-       shown(fmt::format("{}", fmt::join(radiance.channels, ", ")), 400), channels);
+       shown(fmt::format("{}", fmt::join(radiance.channels, ", ")), 400), channels_of_parts(exr));
 }
 
 }  // namespace
+
+std::string channels_of_parts(const ExrReader& exr) {
+  std::string channels;
+  for (int part = 0; part < exr.parts() && channels.size() < 400; ++part)
+    channels += (channels.empty() ? "" : "; ") + exr.channel_list(part);
+  return channels;
+}
+
+FoundChannels find_channels(const ExrReader& exr, const FileViews& views, const ImportMapping& mapping,
+                            const std::string& part, const std::string& pattern) {
+  for (const std::string& alternative : pattern_alternatives(with_layer(pattern, mapping.layer))) {
+    FoundChannels found = channels_of_pattern(exr, views, part, alternative, mapping.layer);
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
+std::vector<int> sample_numbers(const ExrReader& exr, const ImportMapping& mapping) {
+  std::vector<int> numbers;
+  const std::vector<FoundChannels> radiance = radiance_of(exr, FileViews(exr, mapping.view), mapping);
+  for (const auto& [number, channel] : radiance[0]) numbers.push_back(number);
+  return numbers;
+}
 
 bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping) {
   const FileViews views(exr, mapping.view);
@@ -144,20 +151,20 @@ bool holds_radiance(const ExrReader& exr, const ImportMapping& mapping) {
 std::vector<SourceSample> plan_samples(const ExrReader& exr, const ImportMapping& mapping, Wanted wanted) {
   const FileViews views(exr, mapping.view);
   std::vector<SourceSample> samples;
-  const std::vector<Found> radiance = radiance_of(exr, views, mapping);
-  // Found first, so that each complaint comes once.
-  std::vector<std::pair<const FeatureMapping*, std::vector<Found>>> found;
+  const std::vector<FoundChannels> radiance = radiance_of(exr, views, mapping);
+  // FoundChannels first, so that each complaint comes once.
+  std::vector<std::pair<const FeatureMapping*, std::vector<FoundChannels>>> found;
   for (size_t i = 0; i < mapping.features.size(); i += 2)
     for (const size_t choice : {i, i + 1}) {
       const FeatureMapping& feature = mapping.features[choice];
       if (wanted == Wanted::per_sample && !feature.per_sample) continue;
       if (wanted == Wanted::picture && feature.feature != "radiance") continue;
-      std::vector<Found> components = find_feature_channels(exr, views, mapping, feature);
+      std::vector<FoundChannels> components = find_feature_channels(exr, views, mapping, feature);
       if (components.empty()) continue;
       found.emplace_back(&feature, std::move(components));
       break;
     }
-  const std::vector<Found> alpha = find_feature_channels(exr, views, mapping, mapping.alpha);
+  const std::vector<FoundChannels> alpha = find_feature_channels(exr, views, mapping, mapping.alpha);
   for (const auto& [number, channel] : radiance[0]) {
     SourceSample sample;
     for (const auto& [feature, components] : found)

@@ -1,7 +1,6 @@
 #include "inference/denoise_job.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,8 +10,10 @@
 #include "core/error.h"
 #include "core/file_identity.h"
 #include "core/log.h"
+#include "core/process/process_memory.h"
 #include "core/progress.h"
 #include "core/signals.h"
+#include "core/threads.h"
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
 #include "inference/denoiser.h"
@@ -23,17 +24,12 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int64_t kSteps = 100;  // of the progress of one frame
+constexpr int64_t kSteps = 100;                                // of the progress of one frame
+const std::vector<std::string> kRadianceAlone = {"radiance"};  // all else a filter can do without
 
-/// The most memory that the process has had so far.
-int64_t peak_megabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss >> 10;
-}
-
-int64_t megabytes(const Frame& frame) {
-  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size()) >> 20;
+/// Of the samples, [1, H, W]; empty where they have none.
+Image kept_alpha(const Frame& frame) {
+  return frame.alpha.empty() ? Image() : mean_alpha(frame);
 }
 
 /// A part of the colour and, where it is not empty, a further plane.
@@ -47,6 +43,12 @@ PicturePart layer_part(const std::string& name, const Image& colour, const Image
   return {name, std::move(planes), channels};
 }
 
+std::vector<std::string> names_of(const std::vector<LightPart>& parts) {
+  std::vector<std::string> names;
+  for (const LightPart& part : parts) names.push_back(part.name);
+  return names;
+}
+
 /// Whether a picture is there: neither a folder nor a name that a render farm took with an empty file.
 bool is_finished(const fs::path& output) {
   std::error_code error;
@@ -56,7 +58,11 @@ bool is_finished(const fs::path& output) {
 class Run {
  public:
   explicit Run(const DenoiseJob& job)
-      : job_(job), denoiser_(job.model), progress_("denoising", int64_t(job.tasks.size()) * kSteps) {
+      : job_(job), progress_("denoising", int64_t(job.tasks.size()) * kSteps) {
+    if (job.filter)
+      filter_.emplace(*job.filter);
+    else
+      denoiser_.emplace(job.model);
     how_.threads = job.threads;
     how_.max_memory_bytes = job.max_memory_bytes;
     how_.cancel = stop_requested;
@@ -66,24 +72,33 @@ class Run {
 
   nlohmann::ordered_json denoise(const DenoiseTask& task) {
     const InputFrame input =
-        read_input(task.inputs, job_.render, denoiser_.features(), job_.samples, job_.threads);
+        read_input(task.inputs, job_.render, filter_ ? kRadianceAlone : denoiser_->features(), job_.samples,
+                   job_.threads);
     const Frame& frame = input.frame;
     tell_what_was_taken(input);
+    if (job_.filter_alpha && frame.alpha.empty())
+      fail("{}: no alpha to filter: the samples have none; leave --alpha filter out",
+           task.inputs[0].string());
     state_.advance(task.place, frame.width, frame.height);
     const auto start = std::chrono::steady_clock::now();
-    const Image image = denoiser_.denoise(frame, how_);
+    DenoisedParts denoised;
+    if (filter_)
+      denoised.picture = filter_->denoise(frame, state_, threads_);
+    else
+      denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const std::vector<std::string> notes = write(task.output, image, input);
+    if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
+    const std::vector<std::string> notes = write(task.output, denoised, input);
     if (!job_.noisy.empty()) {
       const Image mean = mean_radiance(frame);
       const bool alpha = picture_format(job_.noisy) == PictureFormat::exr;
-      write_image(job_.noisy, alpha ? with_alpha(mean, frame) : mean, frame.info.windows);
+      write_image(job_.noisy, alpha ? with_alpha(mean, kept_alpha(frame)) : mean, frame.info.windows);
     }
     const std::string name = task.inputs[0].string();
     warn_about_faults(name, input.faults);
     for (const std::string& note : input.notes) spdlog::warn("{}: {}", name, note);
     for (const std::string& note : notes) spdlog::warn("{}: {}", task.output.string(), note);
-    const int64_t peak = peak_megabytes(), samples = megabytes(frame);
+    const int64_t peak = peak_resident_bytes() / kBudgetMegabyte, samples = frame.bytes() / kBudgetMegabyte;
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());
@@ -92,12 +107,14 @@ class Run {
             {"width", frame.width},
             {"height", frame.height},
             {"spp", frame.spp},
+            {"also", names_of(frame.parts)},
             {"history", state_.history()},
             {"seconds", seconds},
             {"peak_memory_mb", peak},
             {"input_memory_mb", samples},
             {"masked_samples", input.faults.not_finite},
             {"mended_guides", input.faults.guides},
+            {"mended_parts", input.faults.parts},
             {"negative_values", input.faults.negative}};
   }
 
@@ -120,8 +137,19 @@ class Run {
     for (const DenoiseTask& task : job_.tasks)
       if (picture_format(task.output) != PictureFormat::exr && job_.full_float)
         fail_usage("{}: --float goes with EXR; PNG has 8 bits", task.output.string());
+      else if (picture_format(task.output) != PictureFormat::exr &&
+               (!job_.render.also.empty() || job_.filter_alpha))
+        fail_usage("{}: --also and --alpha filter go with EXR; PNG holds neither", task.output.string());
+    if (filter_ && (!job_.render.also.empty() || job_.filter_alpha))
+      fail_usage("--also and --alpha filter go with models; the filter {} takes the whole light",
+                 filter_->kind());
+    if (filter_ && job_.max_memory_bytes > 0)
+      fail_usage("--max-memory goes with models; the filter {} takes what its planes take", filter_->kind());
     if (!job_.wants_parts()) return;
-    const std::string& network = denoiser_.network_config().name;
+    if (filter_)
+      fail_usage("--aovs and --kernel-at look into networks with layers, but {} is a filter",
+                 filter_->kind());
+    const std::string& network = denoiser_->network_config().name;
     if (network != "layer")
       fail_usage("the model's network is '{}', which has no layers to look at; expected 'layer'", network);
     for (const DenoiseTask& task : job_.tasks)
@@ -173,7 +201,7 @@ class Run {
     if (job_.layers || job_.contributions || job_.unfiltered) {
       DenoiseOptions how = how_;
       how.progress = nullptr;  // the picture is what takes long
-      const std::vector<LayerPicture> layers = denoiser_.layers(frame, how);
+      const std::vector<LayerPicture> layers = denoiser_->layers(frame, how);
       for (size_t l = 0; l < layers.size(); ++l) {
         const std::string name = fmt::format("layer{}", l);
         const LayerPicture& layer = layers[l];
@@ -184,7 +212,7 @@ class Run {
       }
     }
     for (const auto& [x, y] : job_.kernels_at) {
-      const std::vector<Image> kernels = denoiser_.kernels_at(frame, x, y);
+      const std::vector<Image> kernels = denoiser_->kernels_at(frame, x, y);
       for (size_t l = 0; l < kernels.size(); ++l)
         parts.push_back({fmt::format("kernel.{}.{}.layer{}", x, y, l),
                          kernels[l],
@@ -196,21 +224,28 @@ class Run {
   }
 
   /// What users should know about the file.
-  std::vector<std::string> write(const fs::path& output, const Image& image, const InputFrame& input) const {
+  std::vector<std::string> write(const fs::path& output, const DenoisedParts& denoised,
+                                 const InputFrame& input) const {
     if (picture_format(output) != PictureFormat::exr) {
-      write_image(output, image);
+      write_image(output, denoised.picture);
       return {};
     }
-    const std::string by = fmt::format("ld_denoise {}, network {}, weights {}", LD_VERSION,
-                                       denoiser_.network_config().name, checksum_);
-    return write_picture(output, with_alpha(image, input.frame), input.original, parts_of(input.frame),
-                         job_.full_float, by);
+    const std::string by = filter_
+                               ? fmt::format("ld_denoise {}, filter {}", LD_VERSION, filter_->description())
+                               : fmt::format("ld_denoise {}, network {}, weights {}", LD_VERSION,
+                                             denoiser_->network_config().name, checksum_);
+    PictureLayers layers = {{"", with_alpha(denoised.picture, denoised.alpha)}};
+    for (size_t i = 0; i < denoised.parts.size(); ++i)
+      layers.emplace_back(input.frame.parts[i].name, denoised.parts[i]);
+    return write_picture(output, layers, input.original, parts_of(input.frame), job_.full_float, by);
   }
 
   const DenoiseJob& job_;
-  Denoiser denoiser_;
+  std::optional<Denoiser> denoiser_;  // or:
+  std::optional<FrameFilter> filter_;
+  int threads_ = job_.threads > 0 ? job_.threads : default_threads();
   // Of the weights, not their name: equal ones make equal files wherever they lie.
-  std::string checksum_ = file_checksum(job_.model);
+  std::string checksum_ = job_.filter ? std::string() : file_checksum(job_.model);
   Progress progress_;
   DenoiseOptions how_;
   SequenceState state_;

@@ -4,17 +4,20 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "filters/frame_filter.h"
 #include "inference/input_frame.h"
 #include "inference/sequence_names.h"
 
 namespace ld {
 
 struct DenoiseJob {
-  std::filesystem::path model;
+  std::filesystem::path model;           // or:
+  std::optional<FilterArgument> filter;  // a denoiser without weights
   std::vector<DenoiseTask> tasks;
   RenderInput render;
   int threads = 0;               // 0: default_threads()
@@ -22,6 +25,7 @@ struct DenoiseJob {
   int samples = 0;               // the first so many of each frame; 0: all
   bool skip_existing = false;    // pictures that are there are left alone
   bool full_float = false;
+  bool filter_alpha = false;  // like a light part; else it is the mean of the samples'
   std::filesystem::path
       noisy;  // of a single picture: where the mean of its samples goes, too; empty: nowhere
   // EXR parts for looking, of layer networks: filtered layers, what they add to the picture, unfiltered ones,
@@ -47,7 +51,7 @@ struct DenoiseReport {
 /// frames before it a frame follows stands in the report as `history`. Ends early, with whole files only,
 /// when a stop is requested (core/signals.h). In a sequence a frame that fails does not keep the others from
 /// being done. Throws Error as Denoiser, read_input() and write_picture() say; UsageError, before anything is
-/// denoised, for parts that the network or the format of the output cannot have.
+/// denoised, for parts that the network or the format of the output cannot have, and for a filter's settings.
 DenoiseReport run_denoise_job(const DenoiseJob& job);
 
 }  // namespace ld

@@ -1,11 +1,10 @@
 #include "inference/denoiser.h"
 
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 
+#include "core/process/process_memory.h"
 #include "core/threads.h"
 #include "inference/layer_views.h"
 #include "models/graphs/network_graph.h"
@@ -17,19 +16,8 @@ namespace {
 
 constexpr int64_t kThreads = int64_t(16) << 20;  // stacks, and what operators need for a stretch of a row
 
-int64_t resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  int64_t total = 0, resident = 0;
-  statm >> total >> resident;
-  return resident * sysconf(_SC_PAGESIZE);
-}
-
-int64_t frame_bytes(const Frame& frame) {
-  return int64_t((frame.samples.size() + frame.alpha.size()) * sizeof(float) + frame.valid.size());
-}
-
 int64_t megabytes(int64_t bytes) {
-  return (bytes + (1 << 20) - 1) >> 20;
+  return (bytes + kBudgetMegabyte - 1) / kBudgetMegabyte;
 }
 
 PictureExtent extent_of(const Frame& frame) {
@@ -57,23 +45,23 @@ int threads_of(const DenoiseOptions& options) {
 struct Denoiser::State {
   NetworkWeights network;
   // What the last frame ran with.
+  graph::Graph graph;
   std::unique_ptr<Execution> execution;
   int threads = 0;
   int64_t budget = 0;
 
-  std::unique_ptr<Execution> plan(const graph::Graph& graph, const PictureExtent& picture, int used_threads,
+  std::unique_ptr<Execution> plan(const graph::Graph& of, const PictureExtent& picture, int used_threads,
                                   int64_t block = 0) const {
-    return std::make_unique<Execution>(graph, network.weights, picture,
-                                       ExecutionOptions{used_threads, block});
+    return std::make_unique<Execution>(of, network.weights, picture, ExecutionOptions{used_threads, block});
   }
 
   /// With as many rows at a time as the budget allows.
-  std::unique_ptr<Execution> plan(const graph::Graph& graph, const Frame& frame,
+  std::unique_ptr<Execution> plan(const graph::Graph& of, const Frame& frame,
                                   const DenoiseOptions& options) const {
     const PictureExtent picture = extent_of(frame);
     malloc_trim(0);  // what earlier plans have freed
-    const int64_t base = std::max<int64_t>(resident_bytes() - frame_bytes(frame), 0) + kThreads;
-    auto made = plan(graph, picture, threads_of(options));
+    const int64_t base = std::max<int64_t>(resident_bytes() - frame.bytes(), 0) + kThreads;
+    auto made = plan(of, picture, threads_of(options));
     if (options.max_memory_bytes <= 0) return made;
     while (base + made->memory_bytes() > options.max_memory_bytes) {
       const int64_t block = made->block_rows();
@@ -81,21 +69,23 @@ struct Denoiser::State {
         fail_usage(
             "a memory budget of {} MB is too small for {}x{} pixels at {} samples (beside the frame "
             "itself); the smallest is {} MB, of which program and weights take {}",
-            options.max_memory_bytes >> 20, frame.width, frame.height, frame.spp,
+            options.max_memory_bytes / kBudgetMegabyte, frame.width, frame.height, frame.spp,
             megabytes(base + made->memory_bytes()), megabytes(base));
       made.reset();
-      made = plan(graph, picture, threads_of(options), block / 2);
+      made = plan(of, picture, threads_of(options), block / 2);
     }
     return made;
   }
 
-  Execution& execution_for(const Frame& frame, const DenoiseOptions& options) {
+  Execution& execution_for(const Frame& frame, const graph::LightParts& parts,
+                           const DenoiseOptions& options) {
     const PictureExtent picture = extent_of(frame);
-    const bool fits = execution && execution->picture() == picture && threads == threads_of(options) &&
-                      budget == options.max_memory_bytes;
+    const bool fits = execution && execution->picture() == picture && graph.parts == parts &&
+                      threads == threads_of(options) && budget == options.max_memory_bytes;
     if (!fits) {
       execution.reset();
-      execution = plan(network.graph, frame, options);
+      graph = network_graph(network.config, parts);
+      execution = plan(graph, frame, options);
       threads = threads_of(options);
       budget = options.max_memory_bytes;
     }
@@ -111,7 +101,7 @@ struct Denoiser::State {
 };
 
 Denoiser::Denoiser(const std::filesystem::path& model) : state_(std::make_unique<State>()) {
-  state_->network = read_network(model);
+  state_->network = read_network_weights(model);
   required_ = state_->network.config.required_features();
 }
 
@@ -122,8 +112,28 @@ const NetworkConfig& Denoiser::network_config() const {
 }
 
 Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options) const {
-  Execution& execution = state_->execution_for(frame, options);
+  Execution& execution = state_->execution_for(frame, {}, options);
   return std::move(execution.run(frame, progress_of(options))[0]);
+}
+
+DenoisedParts Denoiser::denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options) const {
+  if (alpha && frame.alpha.empty()) fail("no alpha to filter: the frame has none");
+  Execution& execution = state_->execution_for(frame, {int64_t(frame.parts.size()), alpha}, options);
+  const Image colour(frame.width, frame.height, 3);
+  DenoisedParts result = {colour, std::vector<Image>(frame.parts.size(), colour), {}};
+  if (alpha) result.alpha = Image(frame.width, frame.height, 1);
+  std::vector<Image*> images = {&result.picture};
+  for (Image& part : result.parts) images.push_back(&part);
+  images.push_back(&result.alpha);
+  execution.run(frame, progress_of(options), [&](int64_t begin, int64_t end) {
+    int64_t plane = 0;
+    for (Image* image : images)
+      for (int c = 0; c < image->channels; ++c, ++plane)
+        for (int64_t y = begin; y < end; ++y)
+          std::copy_n(execution.row(0, plane, y), frame.width, &image->at(c, 0, int(y)));
+  });
+  for (float& value : result.alpha.pixels) value = std::min(value, 1.0f);  // rounding may lead beyond
+  return result;
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {

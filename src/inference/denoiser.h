@@ -15,6 +15,9 @@ namespace ld {
 
 struct NetworkConfig;
 
+/// What budgets and the messages about them call an MB.
+inline constexpr int64_t kBudgetMegabyte = int64_t(1) << 20;
+
 /// How a frame is denoised; nothing here changes a bit of the result.
 struct DenoiseOptions {
   int threads = 0;  // 0: default_threads()
@@ -36,13 +39,21 @@ class Cancelled : public Error {
 /// A layer of a layered network, for looking ([MH20] figure 3 and 8). Radiance is premultiplied: L_l / n_l is
 /// what the layer adds to a picture in which nothing lies in front of it, its colour times its opacity. With
 /// the weighted compositor n_l is w_l, the opacity 1 and the radiance the colour. With demodulation, the
-/// layers are those of the radiance as it is.
+/// layers are those of the radiance as it is; what they add to the output has the texture
+/// (models/demodulation.h).
 struct LayerPicture {
   Image unfiltered;    // L_l / n_l [3, H, W]
   Image radiance;      // filtered L_l over filtered n_l, eq. 4 [3, H, W]: premultiplied with alpha
   Image alpha;         // filtered w_l over filtered n_l, eq. 4 [1, H, W]
   Image weight;        // the share of the layer's colour in the output [1, H, W]; the sum over layers is 1
   Image contribution;  // what the layer adds to the output [3, H, W]; the sum over layers is the output
+};
+
+/// A picture and what was filtered with its weights.
+struct DenoisedParts {
+  Image picture;             // [3, H, W]: what denoise() gives, bit for bit
+  std::vector<Image> parts;  // of Frame::parts, [3, H, W] each
+  Image alpha;               // [1, H, W] within [0, 1]; empty unless asked for
 };
 
 class Denoiser {
@@ -61,9 +72,15 @@ class Denoiser {
   /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. The frame has
   /// been sanitised (read_frame and import_frame do) and has a depth scale. Its samples are encoded row by
   /// row as the network reads them: no second copy of them is made. What was planned for a frame is kept for
-  /// the next of its size. Throws Error for a frame without samples and for a budget that is too small,
-  /// naming the smallest that will do; Cancelled. Not for several threads at once.
+  /// the next of its size. Light parts are left alone. Throws Error for a frame without samples and for a
+  /// budget that is too small, naming the smallest that will do; Cancelled. Not for several threads at once.
   Image denoise(const Frame& frame, const DenoiseOptions& options = {}) const;
+
+  /// The same, and with the same kernels all of the frame's light parts and, with `alpha`, its alpha. Every
+  /// network is linear in the radiance that it filters once the radiance has decided on the weights, so parts
+  /// that sum to the radiance of every sample come out as parts that sum to the picture, to rounding. Throws
+  /// Error as denoise(), and for `alpha` of a frame that has none.
+  DenoisedParts denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options = {}) const;
 
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
   int64_t least_memory_bytes(int width, int height, int spp) const;

@@ -88,7 +88,7 @@ InputFrame import_input(const std::vector<fs::path>& files, const RenderInput& r
                         const std::vector<std::string>& features) {
   std::vector<std::string> notes;
   const ImportMapping mapping = without_camera(files[0], render, features, notes);
-  ImportedFrame imported = import_frame(files, mapping, render.camera, render.allow_identical);
+  ImportedFrame imported = import_frame(files, mapping, render.camera, render.allow_identical, render.also);
   for (const std::string& feature : features)
     if (!imported.frame.holds(feature))
       fail(
@@ -122,8 +122,8 @@ InputFrame read_input(const std::vector<fs::path>& files, const RenderInput& ren
     input = import_input(files, render, features);
     keep_first_samples(input.frame, samples, files[0]);
   } else {
-    input.frame =
-        read_frame(files[0], features, input.faults, samples, threads > 0 ? threads : default_threads());
+    input.frame = read_frame(files[0], features, input.faults, samples,
+                             threads > 0 ? threads : default_threads(), render.also);
     input.original = original_of_frame(files[0], input.frame);
   }
   require_valid_sample(input.frame, files[0].string());
@@ -139,13 +139,12 @@ std::pair<int, int> input_size(const std::vector<fs::path>& files, const RenderI
   return {header.width, header.height};
 }
 
-Image with_alpha(const Image& denoised, const Frame& frame) {
-  if (frame.alpha.empty()) return denoised;
-  Image picture(denoised.width, denoised.height, 4);
-  std::copy(denoised.pixels.begin(), denoised.pixels.end(), picture.pixels.begin());
-  const Image alpha = mean_alpha(frame);
-  std::copy(alpha.pixels.begin(), alpha.pixels.end(), picture.plane(3));
-  return picture;
+Image with_alpha(const Image& picture, const Image& alpha) {
+  if (alpha.channels == 0) return picture;
+  Image both(picture.width, picture.height, 4);
+  std::copy(picture.pixels.begin(), picture.pixels.end(), both.pixels.begin());
+  std::copy(alpha.pixels.begin(), alpha.pixels.end(), both.plane(3));
+  return both;
 }
 
 }  // namespace ld

@@ -14,12 +14,13 @@
 
 namespace ld {
 
-/// How other renderers' files are read (docs/import.md); without a mapping the files are frames.
+/// How files are read: those of other renderers (docs/import.md), or without a mapping frames.
 struct RenderInput {
   std::optional<ImportMapping> mapping;
   std::optional<ViewCamera> camera;
   std::string preset = {};  // where the mapping is one
   bool allow_identical = false;
+  std::vector<std::string> also = {};  // patterns of light parts (choose_names in frame/frame_file.h)
 };
 
 struct InputFrame {
@@ -41,7 +42,7 @@ InputFrame read_input(const std::vector<std::filesystem::path>& files, const Ren
 /// Width and height of the frame that read_input() gives, from the files' headers.
 std::pair<int, int> input_size(const std::vector<std::filesystem::path>& files, const RenderInput& render);
 
-/// Red, green and blue of the denoised image, and the mean alpha of the frame where it has alpha.
-Image with_alpha(const Image& denoised, const Frame& frame);
+/// Red, green and blue, and alpha [1, H, W] where that is not empty.
+Image with_alpha(const Image& picture, const Image& alpha);
 
 }  // namespace ld

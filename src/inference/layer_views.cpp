@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "models/graphs/shared_graph.h"
+#include "models/network_numbers.h"
 #include "runtime/fully_connected_rows.h"
 
 namespace ld {
@@ -22,15 +23,17 @@ void multiply(const float* a, const float* b, size_t count, float* out) {
 }
 
 /// What of the output's colour is the layer's: what the layers in front let through, times its opacity
-/// ([MH20] eq. 5). `filtered` [N, 5], the opacity before the transmittance.
+/// ([MH20] eq. 5). `filtered` [N, C + 2], the opacity before the transmittance.
 std::vector<Image> alpha_weights(const Image& filtered, int layers) {
   const size_t count = filtered.plane_size();
+  const int channels = filtered.channels / layers;
   std::vector<float> visible(count, 1.0F);
   std::vector<Image> weights;
   for (int l = 0; l < layers; ++l) {
+    const int end = channels * (l + 1);
     weights.emplace_back(filtered.width, filtered.height, 1);
-    multiply(visible.data(), filtered.plane(5 * l + 3), count, weights.back().plane(0));
-    multiply(visible.data(), filtered.plane(5 * l + 4), count, visible.data());
+    multiply(visible.data(), filtered.plane(end - 2), count, weights.back().plane(0));
+    multiply(visible.data(), filtered.plane(end - 1), count, visible.data());
   }
   return weights;
 }
@@ -46,24 +49,44 @@ Image contribution_of(const LayerPicture& layer) {
   return contribution;
 }
 
+/// The same of demodulated light, with the texture (models/demodulation.h): the layer's part of the picture
+/// as it is becomes `contribution`'s.
+void modulate(const LayerPicture& layer, const Image& demodulated, const Image& factors,
+              Image& contribution) {
+  const float *alpha = layer.alpha.plane(0), *beta = factors.plane(3);
+  for (size_t p = 0; p < contribution.plane_size(); ++p) {
+    const float share = layer.weight.plane(0)[p] / (alpha[p] == 0 ? 1.0F : alpha[p]);
+    for (int c = 0; c < 3; ++c) {
+      float& plain = contribution.plane(c)[p];
+      if (plain <= float(kLargestModulated))
+        plain += beta[p] * (factors.plane(c)[p] * share * demodulated.plane(c)[p] - plain);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<LayerPicture> layer_pictures(const NetworkConfig& config, const std::vector<Image>& outputs) {
   const Image &unfiltered = outputs[0], &filtered = outputs[1];
-  const int layers = int(config.layers), channels = filtered.channels / layers;
+  const int layers = int(config.layers), colours = unfiltered.channels / layers,
+            channels = filtered.channels / layers;
+  const bool demodulated = config.demodulation != "none";
   std::vector<Image> weights;
-  if (outputs.size() == 2)
+  if (config.compositing == "alpha")
     weights = alpha_weights(filtered, layers);
   else
     for (int l = 0; l < layers; ++l) weights.push_back(planes_of(outputs[2], l, 1));
   std::vector<LayerPicture> pictures;
   for (int l = 0; l < layers; ++l) {
-    LayerPicture layer{planes_of(unfiltered, 3 * l, 3),
-                       planes_of(filtered, channels * l, 3),
-                       planes_of(filtered, channels * l + 3, 1),
+    const int plain = colours - 3;  // the radiance as it is comes last
+    LayerPicture layer{planes_of(unfiltered, colours * l + plain, 3),
+                       planes_of(filtered, channels * l + plain, 3),
+                       planes_of(filtered, channels * l + colours, 1),
                        std::move(weights[size_t(l)]),
                        {}};
     layer.contribution = contribution_of(layer);
+    if (demodulated)
+      modulate(layer, planes_of(filtered, channels * l, 3), outputs.back(), layer.contribution);
     pictures.push_back(std::move(layer));
   }
   return pictures;

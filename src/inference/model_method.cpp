@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
+#include "graph/extent.h"
 #include "models/graphs/network_cost.h"
-#include "weights/weight_file.h"
+#include "models/graphs/network_graph.h"
 
 namespace ld {
 
@@ -23,13 +24,10 @@ std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments
 }
 
 MethodCost cost_of(const LoadedModel& model, const Frame& frame) {
-  int64_t parameters = 0;
-  const SafetensorsFile file(resolve_model(model.argument.file));
-  for (const TensorView& tensor : file.tensors())
-    parameters += static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
-  const NetworkCost cost =
-      multiply_adds(model.denoiser->network_config(), frame.spp, frame.height, frame.width);
-  return {parameters, cost.total() / static_cast<double>(frame.plane_size())};
+  const NetworkConfig& config = model.denoiser->network_config();
+  const NetworkCost cost = multiply_adds(config, frame.spp, frame.height, frame.width);
+  return {graph::parameter_count(network_graph(config)),
+          cost.total() / static_cast<double>(frame.plane_size())};
 }
 
 Image denoise(const LoadedModel& model, const Frame& frame) {

@@ -153,10 +153,11 @@ void write_parts(const fs::path& temporary, const fs::path& path, const std::vec
 
 }  // namespace
 
-std::vector<std::string> write_picture(const fs::path& path, const Image& picture, const Original& original,
-                                       const std::vector<PicturePart>& further, bool full_float,
-                                       const std::string& by) {
+std::vector<std::string> write_picture(const fs::path& path, const PictureLayers& layers,
+                                       const Original& original, const std::vector<PicturePart>& further,
+                                       bool full_float, const std::string& by) {
   const ExrReader exr(original.file);
+  const Image& picture = layers[0].second;
   std::vector<std::string> notes;
   int64_t beyond = 0;
   std::vector<Part> parts(1);
@@ -169,9 +170,12 @@ std::vector<std::string> write_picture(const fs::path& path, const Image& pictur
   header.setType(Imf::SCANLINEIMAGE);
   header.setName("denoised");
   const Part empty = parts[0];
-  std::vector<std::string> channels;
-  for (const char* name : {"R", "G", "B", "A"}) channels.push_back(original.prefix + name);
-  add_channels(parts[0], channels_of(picture, channels, full_float, beyond));
+  for (const auto& [layer, image] : layers) {
+    std::vector<std::string> channels;
+    for (const char* name : {"R", "G", "B", "A"})
+      channels.push_back((layer.empty() ? "" : layer + ".") + original.prefix + name);
+    add_channels(parts[0], channels_of(image, channels, full_float, beyond));
+  }
   if (original.samples.count(original.part) == 0) {
     std::vector<Channel> kept =
         kept_channels(exr, original, original.part, {picture.width, picture.height, original.windows}, notes);

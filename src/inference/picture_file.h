@@ -31,14 +31,17 @@ struct PicturePart {
   int x = 0, y = 0;                   // its upper left pixel, from that of the picture
 };
 
-/// Writes R, G, B (and A where the picture has a fourth channel), behind the original's prefix, at the
+/// Images by the names of the layers that their channels are in; the first is the picture, which is in none.
+using PictureLayers = std::vector<std::pair<std::string, Image>>;
+
+/// Writes R, G, B of all layers (and A where one has a fourth channel), behind the original's prefix, at the
 /// windows of the samples; beside them, bit for bit, the original's channels in half, float or integers,
 /// those of its other parts in parts of their own; and its attributes, but for those that speak of samples.
 /// Channels of `part` are placed by its data window, 0 outside; of the picture's names they make way. Half
 /// floats, in which colours beyond their range become darker but keep their hue, or full ones; ZIP, no time
 /// stamps; atomic. `by` goes into the attribute of former_result.h. Returns what users should know, a line
 /// each: what could not be kept. Throws Error.
-std::vector<std::string> write_picture(const std::filesystem::path& path, const Image& picture,
+std::vector<std::string> write_picture(const std::filesystem::path& path, const PictureLayers& layers,
                                        const Original& original, const std::vector<PicturePart>& further,
                                        bool full_float, const std::string& by);
 

@@ -149,8 +149,8 @@ fs::path first_file(const std::vector<std::string>& inputs, const std::optional<
   return {};
 }
 
-std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, const std::string& output,
-                                       const std::optional<FrameRange>& range, bool samples_of_one) {
+std::vector<DenoiseTask> plan_tasks(const std::vector<std::string>& inputs, const std::string& output,
+                                    const std::optional<FrameRange>& range, bool samples_of_one) {
   if (inputs.empty()) fail_usage("no inputs; name the frames to denoise");
   if (output.empty()) fail_usage("no output; name the picture to write");
   const std::vector<NamePattern> patterns(inputs.begin(), inputs.end());

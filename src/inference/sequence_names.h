@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "frame/sequence_state.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 
@@ -42,7 +42,7 @@ struct DenoiseTask {
 ///
 /// Throws UsageError: patterns beside plain names, a range without a pattern, no number to tell pictures
 /// apart, two pictures with one output, an output that is an input.
-std::vector<DenoiseTask> plan_sequence(const std::vector<std::string>& inputs, const std::string& output,
-                                       const std::optional<FrameRange>& range, bool samples_of_one);
+std::vector<DenoiseTask> plan_tasks(const std::vector<std::string>& inputs, const std::string& output,
+                                    const std::optional<FrameRange>& range, bool samples_of_one);
 
 }  // namespace ld

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "frame/frame.h"
 
@@ -11,8 +12,11 @@ namespace ld {
 /// pixels lie in more small ones than a processor keeps the addresses of.
 class Arena {
  public:
-  explicit Arena(int64_t floats) : memory_(size_t(floats)) {}
-  float* begin() { return memory_.data(); }  // a page begins there
+  explicit Arena(int64_t floats) : memory_(size_t(floats + kAligned)) {}
+  float* begin() {
+    const auto address = reinterpret_cast<uintptr_t>(memory_.data());
+    return memory_.data() + (kAligned - address / sizeof(float) % kAligned) % kAligned;
+  }
 
   /// Floats up to where the next window may begin.
   static int64_t round_up(int64_t floats) { return (floats + kAligned - 1) / kAligned * kAligned; }
@@ -20,7 +24,7 @@ class Arena {
  private:
   static constexpr int64_t kAligned =
       32;  // floats: whole vectors of every instruction set, whole cache lines
-  ZeroedFloats memory_;
+  std::vector<float, ZeroPages<float>> memory_;
 };
 
 }  // namespace ld

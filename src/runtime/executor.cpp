@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <type_traits>
 #include <variant>
 
@@ -26,15 +27,19 @@ constexpr float kLargestRadiance = 1e32f / 50;
 
 constexpr double kProgressSteps = 64;
 
-float largest_radiance(const Frame& frame, int threads) {
-  std::vector<float> largest(size_t(frame.spp) * 3, 0.0f);
-  parallel_for(threads, int64_t(largest.size()), [&](int64_t i, int) {
-    const float* plane = frame.plane(int(i / 3), kRadianceOffset + int(i % 3));
+/// What the values of planes plane_of(0) to plane_of(count - 1) are scaled by.
+template <class PlaneOf>
+float filter_scale(const Frame& frame, int threads, int64_t count, const PlaneOf& plane_of) {
+  std::vector<float> largest(size_t(count), 0.0f);
+  parallel_for(threads, count, [&](int64_t i, int) {
+    const float* plane = plane_of(i);
     float most = 0;
-    for (size_t p = 0; p < frame.plane_size(); ++p) most = std::max(most, plane[p]);
+    for (size_t p = 0; p < frame.plane_size(); ++p) most = std::max(most, std::fabs(plane[p]));
     largest[size_t(i)] = most;
   });
-  return *std::max_element(largest.begin(), largest.end());
+  const bool large =
+      std::any_of(largest.begin(), largest.end(), [](float v) { return v > kLargestRadiance; });
+  return large ? float(kOverflowScale) : 1.0f;
 }
 
 /// Enough pixels for the threads, and so few rows that they stay in the caches: every operator on the way
@@ -67,6 +72,7 @@ struct Execution::State {
   std::vector<std::unique_ptr<Step>> steps;  // of each unit
   std::vector<ValueId> outputs;
   std::vector<double> row_work;  // of each unit, a row of its output
+  decltype(ExecutionOptions::made) made;
   double work = 0;
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
@@ -76,7 +82,8 @@ struct Execution::State {
         schedule(graph, picture, block),
         arena_floats(make_windows()),
         arena(arena_floats),
-        outputs(graph.further) {
+        outputs(graph.further),
+        made(options.made) {
     float* next = arena.begin();
     for (RowWindow& window : context.windows) {
       window.memory = next;
@@ -122,9 +129,19 @@ struct Execution::State {
       fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", frame.width, frame.height,
            frame.spp, picture.width, picture.height, picture.samples);
     if (!(frame.info.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
+    const graph::LightParts& parts = context.graph.parts;
+    if (int64_t(frame.parts.size()) < parts.colours || (parts.alpha && frame.alpha.empty()))
+      fail("a frame of {} light parts{}; expected {}{}", frame.parts.size(),
+           frame.alpha.empty() ? " without alpha" : "", parts.colours, parts.alpha ? " and alpha" : "");
     context.frame = &frame;
-    context.value_scale =
-        largest_radiance(frame, context.threads) > kLargestRadiance ? float(kOverflowScale) : 1.0f;
+    context.value_scale = filter_scale(frame, context.threads, int64_t(frame.spp) * 3, [&](int64_t i) {
+      return frame.plane(int(i / 3), kRadianceOffset + int(i % 3));
+    });
+    // By itself, so that no part changes the picture.
+    context.part_scale = filter_scale(frame, context.threads, parts.colours * frame.spp * 3, [&](int64_t i) {
+      const int64_t plane = i / parts.colours;
+      return frame.part_plane(size_t(i % parts.colours), int(plane / 3), int(plane % 3));
+    });
     if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
     context.seconds.assign(context.graph.nodes.size(), 0);
     for (const auto& step : steps) step->start();
@@ -137,6 +154,9 @@ struct Execution::State {
     if (!graph::is_pixelwise(context.graph.nodes[nodes[0]].op))  // those know better
       context.seconds[nodes[0]] +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!made) return;
+    for (const ValueId value : schedule.units()[unit].outputs)
+      made(value, context.windows[value], begin, end);
   }
 };
 

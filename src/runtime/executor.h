@@ -8,6 +8,7 @@
 #include "frame/frame.h"
 #include "graph/graph.h"
 #include "runtime/row_schedule.h"
+#include "runtime/row_window.h"
 #include "weights/named_weights.h"
 
 namespace ld {
@@ -16,6 +17,9 @@ namespace ld {
 struct ExecutionOptions {
   int threads = 1;
   int64_t block_rows = 0;  // rows of full resolution that are made at a time; 0: as suits the threads
+  /// Called whenever rows [begin, end) of a value were made, which lie in its window; not for values that
+  /// pixelwise operators leave to one another (runtime/unit.h). May be empty.
+  std::function<void(graph::ValueId value, const RowWindow& rows, int64_t begin, int64_t end)> made = {};
 };
 
 /// The plan of a graph for frames of one size: the order of its steps and one arena for all of their rows.
@@ -35,8 +39,8 @@ class Execution {
   /// Rows [begin, end) of all outputs are there: row(output, plane, y).
   using Rows = std::function<void(int64_t begin, int64_t end)>;
 
-  /// All outputs of the graph, the denoised picture [3, H, W] first. The frame has that size, has been
-  /// sanitised and has a depth scale.
+  /// All outputs of the graph, the denoised picture [3 + parts, H, W] first. The frame has that size and
+  /// those parts, has been sanitised and has a depth scale.
   std::vector<Image> run(const Frame& frame, const Progress& progress = {});
   /// The same, without keeping what `rows` does not keep.
   void run(const Frame& frame, const Progress& progress, const Rows& rows);

@@ -19,8 +19,8 @@ class Step {
   virtual void run(int64_t begin, int64_t end) = 0;
   /// Before row 0 of a frame.
   virtual void start() {}
-  /// What run() needs besides the windows when it makes so many rows at a time; nothing that is as small as a
-  /// stretch of a row.
+  /// What the step needs besides windows and weights when it makes so many rows at a time; nothing that is as
+  /// small as a stretch of a row.
   virtual int64_t scratch_bytes(int64_t /*rows*/) const { return 0; }
 };
 
@@ -44,8 +44,9 @@ struct StepContext {
 
   // Of the frame that runs.
   const Frame* frame = nullptr;
-  double exposure = 1;    // of radiance as the network sees it, where the graph says so
-  float value_scale = 1;  // of radiance in filters, whose sums could overflow (ops/finite_sources.h)
+  double exposure = 1;  // of radiance as the network sees it, where the graph says so
+  // Of radiance, and of parts of it, in filters, whose sums could overflow (ops/finite_sources.h).
+  float value_scale = 1, part_scale = 1;
   std::vector<double> seconds = {};  // that each node has taken so far
 
   const RowWindow& input(const graph::Node& node, size_t i) const { return windows[node.inputs[i]]; }
@@ -86,7 +87,9 @@ std::unique_ptr<Step> make_step(const graph::Blur& op, const graph::Node& node, 
 std::unique_ptr<TileStep> make_step(const graph::Mix& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::Composite& op, const graph::Node& node,
                                     StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
+                                StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::LayerIdentity& op, const graph::Node& node,
                                     StepContext& context);
 

@@ -34,6 +34,9 @@ class SplatStep : public Step {
       channels += values_.back().planes / log_n_.planes;
     }
     shape_ = {log_n_.planes, op.kernel, channels, embedding_.height, embedding_.width};
+    // What is filtered is the first of them; the last channels of that are parts.
+    main_ = context.graph[node.inputs[3]].channels - context.graph[node.inputs[3]].parts;
+    parts_ = context.graph[node.inputs[3]].parts;
     pixels_ = stretch_pixels(shape_.layers * shape_.taps(), shape_.width);
     for (int t = 0; t < context.threads; ++t) workers_.emplace_back(network_, shape_, pixels_);
   }
@@ -57,9 +60,9 @@ class SplatStep : public Step {
     parallel_for(context_.threads, end - begin, [&](int64_t i, int) {
       const int64_t y = begin + i;
       merge_row(shape_, op_.joint, strips, y, {out_.row(y), nullptr, nullptr, out_.pitch});
-      if (context_.value_scale != 1)
-        for (int64_t c = 0; c < out_.planes; ++c)
-          for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= context_.value_scale;
+      for (int64_t c = 0; c < out_.planes; ++c)
+        if (const float scale = scale_of(c % shape_.channels); scale != 1)
+          for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= scale;
     });
     while (!strips_.empty() && reach_of_front() <= end) drop_front();
   }
@@ -141,7 +144,13 @@ class SplatStep : public Step {
     for (int64_t l = 0; l < shape_.layers; ++l) stage_values(at, l, worker);
   }
 
-  /// A pixel's layer whose values or weight are not finite sends nothing (ops/finite_sources.h).
+  bool is_part(int64_t channel) const { return channel >= main_ && channel < main_ + parts_; }
+  float scale_of(int64_t channel) const {
+    return is_part(channel) ? context_.part_scale : context_.value_scale;
+  }
+
+  /// A pixel's layer whose values or weight are not finite sends nothing (ops/finite_sources.h). Parts have
+  /// no say in that: they are finite.
   void stage_values(const Stretch& at, int64_t l, Worker& worker) const {
     SplatSourcesRow& sources = worker.sources;
     float* log_n = sources.log_n.row(l);
@@ -154,9 +163,10 @@ class SplatStep : public Step {
       for (int64_t i = 0; i < channels; ++i, ++c) {
         const float* __restrict from = values.row(at.y, l * channels + i) + at.x;
         float* __restrict to = sources.values.row(l * shape_.channels + c);
+        const float scale = scale_of(c);
         for (int64_t x = 0; x < at.count; ++x) {
           const bool good = std::fabs(from[x]) <= std::numeric_limits<float>::max();
-          to[x] = good ? from[x] * context_.value_scale : 0.0f;
+          to[x] = good ? from[x] * scale : 0.0f;
           finite[x] = good ? finite[x] : 0.0f;
         }
         std::fill(to + at.count, to + padded(at.count), 0.0f);
@@ -175,6 +185,7 @@ class SplatStep : public Step {
   std::vector<RowWindow> values_;
   TileNetwork network_;
   FilterShape shape_{};
+  int64_t main_ = 0, parts_ = 0;  // channels
   int64_t pixels_ = 0;
   std::vector<Worker> workers_;
   std::deque<std::unique_ptr<SplatStrip>> strips_;  // those that rows to come still need
@@ -182,13 +193,13 @@ class SplatStep : public Step {
   int64_t next_ = 0;                                // the number of the first strip that is not made
 };
 
-class ModulateStep : public Step {
+/// The network reads how steady the divisors are, and the context.
+class ModulationFactorsStep : public Step {
  public:
-  ModulateStep(const graph::Modulate& op, const graph::Node& node, StepContext& context)
+  ModulationFactorsStep(const graph::ModulationFactors& op, const graph::Node& node, StepContext& context)
       : context_(context),
-        filtered_(context.input(node, 0)),
-        modulators_(context.input(node, 1)),
-        shared_(context.input(node, 2)),
+        modulators_(context.input(node, 0)),
+        shared_(context.input(node, 1)),
         out_(context.output(node)),
         network_(tile_network({op.weights, {1}}, context.weights, 1, 1)),
         scratch_(network_.make_scratches(context.threads, kTilePixels)) {}
@@ -201,7 +212,6 @@ class ModulateStep : public Step {
   }
 
  private:
-  /// The network reads how steady the divisors are, and the context.
   void make(const PixelTile& tile) {
     TileNetwork::Scratch& scratch = scratch_[size_t(tile.thread)];
     std::array<const float*, 3> variances = {};
@@ -211,12 +221,11 @@ class ModulateStep : public Step {
     steadiness({variances, out_.width}, float(kSteadyFalloff), tile.x, tile.count, scratch.x);
     network_.begin_tile(scratch, tile.count, shared_.at(tile));
     network_.forward(scratch, tile.count);
-    modulate({filtered_.at(tile), filtered_.at(tile, 3), modulators_.at(tile), scratch.a.back(),
-              float(kLargestModulated), padded(tile.count), out_.at(tile)});
+    modulation_factors(modulators_.at(tile), scratch.a.back(), padded(tile.count), out_.at(tile));
   }
 
   StepContext& context_;
-  RowWindow filtered_, modulators_, shared_, out_;
+  RowWindow modulators_, shared_, out_;
   TileNetwork network_;
   std::vector<TileNetwork::Scratch> scratch_;  // of each thread
 };
@@ -257,8 +266,17 @@ std::unique_ptr<TileStep> make_step(const graph::Composite&, const graph::Node& 
     }
   });
 }
-std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context) {
-  return std::make_unique<ModulateStep>(op, node, context);
+std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
+                                StepContext& context) {
+  return std::make_unique<ModulationFactorsStep>(op, node, context);
+}
+std::unique_ptr<TileStep> make_step(const graph::Modulate&, const graph::Node& node, StepContext& context) {
+  const RowWindow filtered = context.input(node, 0), factors = context.input(node, 1),
+                  out = context.output(node);
+  return tile_step(context, 0, [=](const PixelTile& tile, float*) {
+    modulate({filtered.at(tile), factors.at(tile), out.planes - 3, float(kLargestModulated),
+              padded(tile.count), out.at(tile)});
+  });
 }
 
 }  // namespace ld

@@ -14,12 +14,13 @@ namespace {
 /// What gathers share: sources in rows, and a stretch at a time of the results.
 class GatheringStep : public Step {
  public:
-  GatheringStep(StepContext& context, int64_t kernel, const RowWindow& log_n, const RowWindow& values,
+  GatheringStep(StepContext& context, int64_t kernel, const RowWindow& log_n, graph::ValueId values,
                 const RowWindow& out)
       : context_(context),
         log_n_(log_n),
-        values_(values),
+        values_(context.windows[values]),
         out_(out),
+        main_(context.graph[values].channels - context.graph[values].parts),
         shape_{1, kernel, values_.planes, values_.height, values_.width},
         pixels_(stretch_pixels(shape_.taps(), shape_.width)),
         sources_(shape_, values_.capacity),
@@ -44,7 +45,8 @@ class GatheringStep : public Step {
                        for (int64_t c = 0; c < shape_.channels; ++c) {
                          const float* from = row.out.row(c);
                          float* to = out_.row(y, c) + x;
-                         for (int64_t i = 0; i < count; ++i) to[i] = from[i] / context_.value_scale;
+                         const float scale = scale_of(c);
+                         for (int64_t i = 0; i < count; ++i) to[i] = from[i] / scale;
                        }
                      });
   }
@@ -56,8 +58,12 @@ class GatheringStep : public Step {
   int64_t pixels() const { return pixels_; }
 
  private:
+  float scale_of(int64_t channel) const {
+    return channel < main_ ? context_.value_scale : context_.part_scale;
+  }
+
   /// Row y of the sources; a pixel whose values or weight are not finite gives nothing
-  /// (ops/finite_sources.h).
+  /// (ops/finite_sources.h). Parts have no say in that: they are finite.
   void fill(int64_t y) {
     for (int64_t x = 0; x < shape_.width; ++x) {
       bool good = log_n_.row(y)[x] < std::numeric_limits<float>::infinity();
@@ -65,13 +71,14 @@ class GatheringStep : public Step {
         good = good && std::fabs(values_.row(y, c)[x]) <= std::numeric_limits<float>::max();
       finite_log_n_[size_t(x)] = good ? log_n_.row(y)[x] : -std::numeric_limits<float>::infinity();
       for (int64_t c = 0; c < shape_.channels; ++c)
-        finite_values_.row(0, c)[x] = good ? values_.row(y, c)[x] * context_.value_scale : 0.0f;
+        finite_values_.row(0, c)[x] = good ? values_.row(y, c)[x] * scale_of(c) : 0.0f;
     }
     sources_.fill_row(shape_, {finite_log_n_.data(), 0}, finite_values_.planar(0), y);
   }
 
   StepContext& context_;
   RowWindow log_n_, values_, out_;
+  int64_t main_;  // channels before those of parts
   FilterShape shape_;
   int64_t pixels_;
   GatherSources sources_;
@@ -85,8 +92,7 @@ class GatheringStep : public Step {
 class GatherStep : public GatheringStep {
  public:
   GatherStep(const graph::Gather& op, const graph::Node& node, StepContext& context)
-      : GatheringStep(context, op.kernel, context.input(node, 2), context.input(node, 3),
-                      context.output(node)),
+      : GatheringStep(context, op.kernel, context.input(node, 2), node.inputs[3], context.output(node)),
         embedding_(context.input(node, 0)),
         shared_(context.input(node, 1)),
         network_(tile_network(op.generator, context.weights, embedding_.planes, op.kernel * op.kernel)) {
@@ -109,12 +115,8 @@ class GatherStep : public GatheringStep {
 class BlurStep : public GatheringStep {
  public:
   BlurStep(const graph::Blur& op, const graph::Node& node, StepContext& context)
-      : GatheringStep(context, op.kernel, context.input(node, 0), context.input(node, 1),
-                      context.output(node)) {
-    const int64_t radius = op.kernel / 2;
-    for (int64_t dy = -radius; dy <= radius; ++dy)
-      for (int64_t dx = -radius; dx <= radius; ++dx)
-        logits_.push_back(float(-18.0 * double(dy * dy + dx * dx) / double(op.kernel * op.kernel)));
+      : GatheringStep(context, op.kernel, context.input(node, 0), node.inputs[1], context.output(node)) {
+    for (const double logit : op.logits()) logits_.push_back(float(logit));
   }
 
  private:

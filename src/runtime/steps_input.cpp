@@ -39,9 +39,15 @@ class EncodeStep : public TileStep {
     const uint8_t* drawn = frame.valid_plane(s) + offset;
     float* valid = valid_.at(tile, s).data;
     for (int64_t x = 0; x < tile.count; ++x) valid[x] = drawn[x] != 0 ? 1.0f : 0.0f;
-    for (int c = 0; c < 3; ++c)
-      std::copy_n(frame.plane(s, kRadianceOffset + c) + offset, tile.count,
-                  radiance_.at(tile, 3 * s + c).data);
+    const graph::LightParts& parts = context_.graph.parts;
+    int64_t light = s * (3 + parts.channels());
+    const auto add_light = [&](const float* plane) {
+      std::copy_n(plane + offset, tile.count, radiance_.at(tile, light++).data);
+    };
+    for (int c = 0; c < 3; ++c) add_light(frame.plane(s, kRadianceOffset + c));
+    for (size_t part = 0; part < size_t(parts.colours); ++part)
+      for (int c = 0; c < 3; ++c) add_light(frame.part_plane(part, s, c));
+    if (parts.alpha) add_light(frame.alpha.data() + size_t(s) * frame.plane_size());
     const auto count = int64_t(channels_.size());
     for (int64_t c = 0; c < count; ++c) {
       float* out = features_.at(tile, s * count + c).data;
@@ -85,15 +91,40 @@ struct DemodulateTile {
     const auto feature = [&](int64_t s, int64_t first) {
       return first < 0 ? PlanarRow() : features.at(tile, s * channels + first);
     };
-    for (int64_t s = 0; s < samples; ++s)
-      demodulate(kLimits, feature(s, op.albedo), feature(s, op.specular), radiance.at(tile, 3 * s), pixels,
-                 {divisors.plane(3 * s), kTilePixels}, forms.at(tile, 6 * s));
+    const int64_t in = radiance.planes / samples, out = forms.planes / samples;
+    for (int64_t s = 0; s < samples; ++s) {
+      const PlanarTarget of_sample = {divisors.plane(3 * s), kTilePixels};
+      demodulate(kLimits, feature(s, op.albedo), feature(s, op.specular), radiance.at(tile, in * s), pixels,
+                 of_sample, forms.at(tile, out * s));
+      divide_parts(radiance.at(tile, in * s), in - 3, of_sample, pixels, forms.at(tile, out * s));
+    }
     const PlanarTarget means = modulators.at(tile);
     valid_shares(valid.at(tile), samples, pixels, share);
     for (int64_t c = 0; c < 3; ++c)
       moments_of_items({divisors.plane(c), 3 * kTilePixels}, valid.at(tile), share, samples, pixels,
                        means.plane(c), variances.plane(c));
     relative_variance(means, variances, pixels, modulators.at(tile, 3).data);
+  }
+
+  /// The parts behind a sample's radiance.
+  static void divide_parts(PlanarRow light, int64_t parts, PlanarRow divisors, int64_t pixels,
+                           PlanarTarget to) {
+    const int64_t coloured = parts / 3 * 3;
+    for (int64_t c = 0; c < parts; ++c) {
+      std::copy_n(light.plane(3 + c), pixels, to.plane(6 + coloured + c));
+      if (c < coloured)
+        divide_part(light.plane(3 + c), light.plane(c % 3), divisors.plane(c % 3), pixels, to.plane(6 + c));
+    }
+  }
+
+  /// Of such parts as the radiance is bounded to, so that their sum is still that.
+  static void divide_part(const float* __restrict part, const float* __restrict light,
+                          const float* __restrict divisor, int64_t pixels, float* __restrict divided) {
+    constexpr auto kMost = float(kLargestDemodulated);
+    for (int64_t x = 0; x < pixels; ++x) {
+      const float bounded = part[x] * (kMost / std::max(light[x], kMost));
+      divided[x] = std::clamp(bounded, -kMost, kMost) / divisor[x];
+    }
   }
 };
 

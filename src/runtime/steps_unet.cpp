@@ -1,8 +1,10 @@
 // The boxes of the U-net ([MH20] figure 3), row by row.
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 #include "ops/kernels/convolution.h"
+#include "ops/kernels/quantised_convolution.h"
 #include "ops/kernels/winograd.h"
 #include "runtime/row_step.h"
 
@@ -80,20 +82,24 @@ class DirectConvolutionStep : public Step {
   PackedConvolution weights_;
 };
 
-/// In pairs of rows, an even one first, whatever rows are asked for.
-class WinogradStep : public Step {
+/// By tiles of 2x2 results: in pairs of rows, an even one first, whatever rows are asked for.
+template <class Weights, class Scratch>
+class TiledConvolutionStep : public Step {
  public:
-  WinogradStep(const graph::Convolution& op, const graph::Node& node, StepContext& context)
+  TiledConvolutionStep(const graph::Convolution& op, const graph::Node& node, StepContext& context,
+                       Weights weights)
       : op_(op),
         context_(context),
         inputs_(node, context),
         out_(context.output(node)),
-        weights_(packed_weights<WinogradWeights>(op, context)) {
+        weights_(std::move(weights)) {
     for (int t = 0; t < context.threads; ++t) scratch_.emplace_back(weights_);
   }
 
+  /// The matrices of the weights take the place of these.
   int64_t scratch_bytes(int64_t) const override {
-    return context_.threads * WinogradScratch::floats(weights_) * int64_t(sizeof(float));
+    const int64_t more = weights_.bytes() - 9 * weights_.outputs * weights_.inputs * Weights::kBytesOfOne;
+    return context_.threads * Scratch::bytes(weights_) + more;
   }
 
   void run(int64_t begin, int64_t end) override {
@@ -103,14 +109,14 @@ class WinogradStep : public Step {
                        const auto row = [&](int64_t at) {
                          return at >= begin && at < end ? out_.row(at) : nullptr;
                        };
-                       convolve(WinogradRows{&weights_,
-                                             inputs_.sources<WinogradSource>(y - 1),
-                                             {row(y), row(y + 1)},
-                                             out_.pitch,
-                                             x,
-                                             x + count,
-                                             out_.width,
-                                             op_.activated},
+                       convolve(TileRows<Weights>{&weights_,
+                                                  inputs_.sources<WinogradSource>(y - 1),
+                                                  {row(y), row(y + 1)},
+                                                  out_.pitch,
+                                                  x,
+                                                  x + count,
+                                                  out_.width,
+                                                  op_.activated},
                                 scratch_[size_t(thread)]);
                      });
   }
@@ -120,9 +126,15 @@ class WinogradStep : public Step {
   StepContext& context_;
   ConvolutionInputs inputs_;
   RowWindow out_;
-  WinogradWeights weights_;
-  std::vector<WinogradScratch> scratch_;
+  Weights weights_;
+  std::vector<Scratch> scratch_;
 };
+
+PackedQuantisedWeights packed_weights(const NamedWeight& weight, const NamedWeight& bias) {
+  return {{weight.quantised->levels.data(), weight.quantised->scales.data(), bias.values.data(),
+           weight.shape[0], weight.shape[1]},
+          weight.quantised->input_range};
+}
 
 /// Of Upsample, as LibTorch's, corners not aligned: between the centres of two coarse pixels lie those of n
 /// fine ones, the first half a fine pixel from the first.
@@ -197,10 +209,15 @@ std::unique_ptr<Step> make_step(const graph::Pad&, const graph::Node& node, Step
   });
 }
 std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node& node, StepContext& context) {
+  const NamedWeight& weight = context.weights.at(op.weights + ".weight");
+  if (weight.quantised)
+    return std::make_unique<TiledConvolutionStep<PackedQuantisedWeights, QuantisedScratch>>(
+        op, node, context, packed_weights(weight, context.weights.at(op.weights + ".bias")));
   // Tiles are made 16 at a time: of narrow pictures most would be beyond the border.
   constexpr int64_t kNarrow = 24;
   if (context.output(node).width < kNarrow) return std::make_unique<DirectConvolutionStep>(op, node, context);
-  return std::make_unique<WinogradStep>(op, node, context);
+  return std::make_unique<TiledConvolutionStep<WinogradWeights, WinogradScratch>>(
+      op, node, context, packed_weights<WinogradWeights>(op, context));
 }
 std::unique_ptr<Step> make_step(const graph::MaxPool&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);

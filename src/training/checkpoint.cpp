@@ -41,7 +41,7 @@ void set_parameters(Network& network, const TensorsByName& values) {
 
 void write_checkpoint_files(const fs::path& folder, const TrainingState& state, const Network& network,
                             Optimizer& optimizer, const std::string& provenance) {
-  save_model(folder / kCheckpointFiles[0], optimizer.average().network(), provenance, DType::f32);
+  save_network(folder / kCheckpointFiles[0], optimizer.average().network(), provenance, DType::f32);
   NamedTensors tensors = adam_state(optimizer.adam(), network);
   if (optimizer.average().active())
     for (const auto& parameter : network.named_parameters())

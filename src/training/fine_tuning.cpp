@@ -61,7 +61,7 @@ std::string missing_from(const std::vector<std::string>& others, const std::vect
 }  // namespace
 
 void begin_with_weights(const std::filesystem::path& model, Network& network) {
-  const std::shared_ptr<Network> stored = load_model(model);
+  const std::shared_ptr<Network> stored = load_network(model);
   const std::vector<std::string>&from = stored->config().features, &to = network.config().features;
   const auto source = stored->named_parameters();
   const auto target = network.named_parameters();

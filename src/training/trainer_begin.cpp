@@ -7,7 +7,10 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/process/process_memory.h"
 #include "core/signals.h"
+#include "graph/extent.h"
+#include "models/graphs/network_graph.h"
 #include "ops/blas_kernels.h"
 #include "training/estimate.h"
 #include "training/run/run_folder.h"
@@ -32,7 +35,7 @@ void Trainer::open_run(const std::string& command, const std::string& dataset, i
   origin.threads = static_cast<int>(torch::get_num_threads());
   origin.processes = group_.size();
   origin.dataset = dataset;
-  origin.parameters = parameter_count(*network_);
+  origin.parameters = graph::parameter_count(network_graph(config_.network));
   origin.total_steps = total_steps;
   write_origin(run_, config_, origin);
   spdlog::info("network '{}' with {} parameters; {} steps of {} crops of {}x{}; loss {}; {} thread{}{}{}",
@@ -77,9 +80,12 @@ void Trainer::announce() {
     return measure_batch(*network_, loss_, batch, [] { return stop_requested(); });
   };
   const SampleRange samples = sample_range(config_.data);
+  if (!validation_.empty())
+    plan.validation =
+        measure_validation(optimizer_.average().network(), validation_, [] { return stop_requested(); });
   if (samples.all()) {
     plan.batch = measure(training_set_.batch(first));
-  } else {  // the largest batch decides memory and time of validation, the average one that of steps
+  } else {  // the largest batch decides the memory, the average one the time of steps
     plan.batch = measure(training_set_.batch_with(first, samples.most));
     const auto average = static_cast<int>(std::lround(mean_sample_count(samples)));
     plan.batch.seconds = measure(training_set_.batch_with(first, average)).seconds;
@@ -90,11 +96,18 @@ void Trainer::announce() {
   plan.validation_pixels = validation_.pixels() / group_.size();
   plan.checkpoint_bytes = checkpoint_bytes(*network_, optimizer_.average());
   plan.state_megabytes = static_cast<double>(plan.checkpoint_bytes) / kBytesPerMegabyte;
+  if (const int64_t available = available_bytes(); available >= 0)
+    plan.available_megabytes = static_cast<double>(available + resident_bytes()) / kBytesPerMegabyte;
   plan.max_minutes = config_.run.max_minutes;
   plan.checkpoints = config_.run.keep + 2;  // the best, and the one being written
   plan.free_bytes = std::filesystem::space(run_).available;
   spdlog::info("{}", time_text(plan));
   spdlog::info("{}", disk_text(plan));
+  if (!fits_in_memory(plan))
+    spdlog::warn(
+        "the machine has {:.0f} MB for that; take smaller validation frames or data.validation_samples, a "
+        "smaller data.batch with a larger optimizer.accumulate, or another machine",
+        plan.available_megabytes);
   if (!fits_on_disk(plan))
     spdlog::warn("{} has no room for that; free some, or save less with run.keep", run_.string());
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "dataset/input_tensors.h"
 #include "metrics/metric.h"
 
 namespace ld {
 namespace {
 
 constexpr const char* kLoss = "validation_loss";
+constexpr int64_t kPicturesOfFrame = 3;  // ValidationPicture
 
 /// Mean radiance of the valid samples, [3, H, W].
 Image mean_of_samples(const NetworkInput& input) {
@@ -16,14 +16,13 @@ Image mean_of_samples(const NetworkInput& input) {
   return to_image(((input.radiance * input.valid).sum(1) / count).squeeze(0));
 }
 
-Batch whole_frame(FrameStore& store, size_t index, const std::vector<std::string>& features, int samples) {
-  Augmentation whole;
-  whole.width = store.width(index);
-  whole.height = store.height(index);
+/// The part of the frame that `crop` says, with its first samples.
+Batch part_of_frame(FrameStore& store, size_t index, const std::vector<std::string>& features, int samples,
+                    const Augmentation& crop) {
   const std::shared_ptr<const PackedFrame> frame = store.get(index);
   SampleList first;
-  for (int s = 0; s < std::min(samples, frame->spp); ++s) first.push_back(s);
-  return make_batch({{store.get_intact(index, frame, whole.tiles(), first), whole, first}}, features);
+  for (int s = 0; s < samples; ++s) first.push_back(s);
+  return make_batch({{store.get_intact(index, frame, crop.tiles(), first), crop, first}}, features);
 }
 
 }  // namespace
@@ -48,6 +47,40 @@ int64_t Validation::pixels() const {
   for (const FrameOf& frame : frames_)
     sum += int64_t{frame.store->width(frame.index)} * frame.store->height(frame.index);
   return sum;
+}
+
+int Validation::samples_of(const FrameOf& frame) const {
+  const int all = frame.store->spp(frame.index);
+  return samples_ > 0 ? std::min(samples_, all) : all;
+}
+
+const Validation::FrameOf& Validation::largest() const {
+  const auto size = [this](const FrameOf& frame) {
+    return int64_t{frame.store->width(frame.index)} * frame.store->height(frame.index) * samples_of(frame);
+  };
+  return *std::max_element(frames_.begin(), frames_.end(),
+                           [&](const FrameOf& a, const FrameOf& b) { return size(a) < size(b); });
+}
+
+int64_t Validation::pixels_of_largest() const {
+  const FrameOf& frame = largest();
+  return int64_t{frame.store->width(frame.index)} * frame.store->height(frame.index);
+}
+
+Batch Validation::middle_of_largest(const std::vector<std::string>& features, int side) const {
+  const FrameOf& frame = largest();
+  const int width = frame.store->width(frame.index), height = frame.store->height(frame.index);
+  Augmentation middle;
+  middle.width = std::min(width, side);
+  middle.height = std::min(height, side);
+  middle.x = (width - middle.width) / 2;
+  middle.y = (height - middle.height) / 2;
+  return part_of_frame(*frame.store, frame.index, features, samples_of(frame), middle);
+}
+
+int64_t Validation::picture_bytes() const {
+  const int64_t sets = std::min<int64_t>(pictures_, static_cast<int64_t>(frames_.size())) + 1;
+  return sets * kPicturesOfFrame * 3 * int64_t{sizeof(float)} * pixels_of_largest();
 }
 
 std::vector<size_t> Validation::frames_of(const ProcessGroup& group) const {
@@ -92,12 +125,16 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
     stopped = stop();
     if (stopped) break;
     const FrameOf& frame = frames_[i];
-    Batch batch = whole_frame(*frame.store, frame.index, features, samples_);
+    const int width = frame.store->width(frame.index), height = frame.store->height(frame.index);
+    Augmentation whole;
+    whole.width = width;
+    whole.height = height;
+    Batch batch = part_of_frame(*frame.store, frame.index, features, samples_of(frame), whole);
     ValidationPicture picture;
     picture.name = frame.store->name(frame.index);
     const bool is_shown = shown_frames.count(i) > 0;
     if (is_shown) picture.noisy = mean_of_samples(batch.input);
-    state.advance(frame.place, frame.store->width(frame.index), frame.store->height(frame.index));
+    state.advance(frame.place, width, height);
     const torch::Tensor denoised = denoise(std::move(batch.input), state);
     double* row = table[static_cast<int64_t>(i)].data_ptr<double>();
     *row++ = loss(denoised, batch.reference).item<double>();

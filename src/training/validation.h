@@ -11,10 +11,11 @@
 #include <vector>
 
 #include "dataset/frame_store.h"
+#include "dataset/input_tensors.h"
 #include "frame/frame.h"
-#include "frame/sequence_state.h"
 #include "losses/loss.h"
 #include "models/network.h"
+#include "sequence/sequence_state.h"
 #include "training/distributed/process_group.h"
 
 namespace ld {
@@ -44,6 +45,13 @@ class Validation {
   size_t frames() const { return frames_.size(); }
   int64_t pixels() const;  // of all frames together
 
+  /// The frame that takes the most memory, which is in proportion to pixels times samples.
+  int64_t pixels_of_largest() const;
+  /// Its middle, up to `side` pixels wide and high. Throws Error as run() does.
+  Batch middle_of_largest(const std::vector<std::string>& features, int side) const;
+  /// Of the pictures of the largest frame that exist at a time, those that are kept among them.
+  int64_t picture_bytes() const;
+
   /// The sequences are divided among the processes; the scores are the same whatever their number. Rank 0 has
   /// the pictures. nullopt when `stop` became true on any process between two frames.
   std::optional<ValidationResult> run(Network& network, const Loss& loss, ProcessGroup& group,
@@ -60,13 +68,15 @@ class Validation {
     size_t index;
     SequencePlace place;
   };
+  int samples_of(const FrameOf& frame) const;
+  const FrameOf& largest() const;
   /// The frames of a process, by their numbers in the order in which it denoises them.
   std::vector<size_t> frames_of(const ProcessGroup& group) const;
   std::set<size_t> shown(const ProcessGroup& group) const;
 
   std::vector<std::unique_ptr<FrameStore>> stores_;
   std::vector<FrameOf> frames_;                 // of all stores
-  std::vector<std::vector<size_t>> sequences_;  // of frames_ (frame/sequence_runs.h); stills are their own
+  std::vector<std::vector<size_t>> sequences_;  // of frames_ (sequence/sequence_runs.h); stills are their own
   int64_t pictures_;
   int samples_;
 };

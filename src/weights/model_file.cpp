@@ -19,6 +19,8 @@ torch::ScalarType torch_type(DType type) {
       return torch::kFloat64;
     case DType::i64:
       return torch::kInt64;
+    case DType::i8:
+      return torch::kInt8;
     case DType::u8:
       return torch::kUInt8;
   }
@@ -26,7 +28,7 @@ torch::ScalarType torch_type(DType type) {
 }
 
 DType file_type(const torch::Tensor& tensor) {
-  for (const DType type : {DType::f16, DType::f32, DType::f64, DType::i64, DType::u8})
+  for (const DType type : {DType::f16, DType::f32, DType::f64, DType::i64, DType::i8, DType::u8})
     if (torch_type(type) == tensor.scalar_type()) return type;
   fail("a tensor of type {} cannot be written to safetensors", c10::toString(tensor.scalar_type()));
 }
@@ -50,8 +52,8 @@ torch::Tensor read_tensor(const TensorView& view) {
   return tensor;
 }
 
-void save_model(const std::filesystem::path& path, const Network& network, const std::string& provenance,
-                DType type, const Metadata& further) {
+void save_network(const std::filesystem::path& path, const Network& network, const std::string& provenance,
+                  DType type, const Metadata& further) {
   NamedTensors tensors;
   for (const auto& parameter : network.named_parameters()) {
     tensors.emplace_back(parameter.key(), parameter.value().detach().to(torch_type(type)));
@@ -65,8 +67,8 @@ void save_model(const std::filesystem::path& path, const Network& network, const
   write_tensors(path, tensors, metadata);
 }
 
-std::shared_ptr<Network> load_model(const std::filesystem::path& model) {
-  const NetworkWeights read = read_network(model);
+std::shared_ptr<Network> load_network(const std::filesystem::path& model) {
+  const NetworkWeights read = read_network_weights(model);
   const std::shared_ptr<Network> network = make_network(read.config);
   const torch::NoGradGuard no_grad;
   for (auto& parameter : network->named_parameters()) {
@@ -75,6 +77,16 @@ std::shared_ptr<Network> load_model(const std::filesystem::path& model) {
         torch::from_blob(const_cast<float*>(stored.values.data()), parameter.value().sizes()));
   }
   return network;
+}
+
+NamedWeights weights_of(const Network& network) {
+  NamedWeights weights;
+  for (const auto& entry : network.named_parameters()) {
+    const torch::Tensor values = entry.value().detach().to(torch::kFloat32).contiguous();
+    weights.add(entry.key(), {values.sizes().vec(),
+                              {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()}});
+  }
+  return weights;
 }
 
 }  // namespace ld

@@ -2,7 +2,8 @@
 
 #include <fmt/ranges.h>
 
-#include <numeric>
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "core/error.h"
@@ -22,20 +23,18 @@ graph::Graph graph_of(const SafetensorsFile& file, const NetworkConfig& config) 
   }
 }
 
-int64_t count_of(const std::vector<int64_t>& shape) {
-  return std::accumulate(shape.begin(), shape.end(), int64_t(1), std::multiplies<>());
-}
-
-void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
-                       const std::vector<graph::Parameter>& parameters) {
-  int64_t held = 0, expected = 0;
-  for (const TensorView& tensor : file.tensors()) held += count_of(tensor.shape);
-  for (const graph::Parameter& parameter : parameters) expected += count_of(parameter.shape);
+void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config, const graph::Graph& graph) {
+  const int64_t expected = graph::parameter_count(graph);
+  int64_t held = 0;
+  std::vector<TensorView> tensors;  // scales of quantised ones aside
+  std::copy_if(file.tensors().begin(), file.tensors().end(), std::back_inserter(tensors),
+               [&](const TensorView& tensor) { return !is_scale(file, tensor); });
+  for (const TensorView& tensor : tensors) held += tensor.numbers();
   if (held != expected)
     fail("{}: holds {} numbers, but the network of its metadata ('{}') has {}; the file is damaged",
          file.path().string(), held, config.name, expected);
   std::set<std::string> names;
-  for (const graph::Parameter& parameter : parameters) {
+  for (const graph::Parameter& parameter : graph::parameters(graph)) {
     const TensorView& stored = file.tensor(parameter.name);
     if (stored.shape != parameter.shape)
       fail("{}: tensor '{}' has the shape [{}]; its network config needs [{}]; the file is damaged",
@@ -43,7 +42,7 @@ void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
            fmt::join(parameter.shape, ", "));
     names.insert(parameter.name);
   }
-  for (const TensorView& tensor : file.tensors())
+  for (const TensorView& tensor : tensors)
     if (names.count(tensor.name) == 0)
       fail("{}: holds a tensor '{}' that its network config has no place for; the file is damaged",
            file.path().string(), tensor.name);
@@ -51,7 +50,7 @@ void expect_parameters(const SafetensorsFile& file, const NetworkConfig& config,
 
 }  // namespace
 
-NetworkWeights read_network(const std::filesystem::path& model) {
+NetworkWeights read_network_weights(const std::filesystem::path& model) {
   const std::filesystem::path path = resolve_model(model);
   if (exists(path.parent_path() / "checksums.json") && path.filename() == kCheckpointFiles[0])
     verify_checkpoint_file(path.parent_path(), kCheckpointFiles[0]);
@@ -59,7 +58,7 @@ NetworkWeights read_network(const std::filesystem::path& model) {
   NetworkWeights network;
   network.config = read_weights_header(file).network;
   network.graph = graph_of(file, network.config);
-  expect_parameters(file, network.config, graph::parameters(network.graph));
+  expect_parameters(file, network.config, network.graph);
   network.weights = NamedWeights(file);
   return network;
 }

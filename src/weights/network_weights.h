@@ -20,6 +20,6 @@ struct NetworkWeights {
 /// (resolve_model). Throws Error when a parameter is missing, surplus, of another shape or not finite, and
 /// before anything large is made when the file holds less or more than its network has. Weights in a
 /// checkpoint must have the checksum that is noted beside them.
-NetworkWeights read_network(const std::filesystem::path& model);
+NetworkWeights read_network_weights(const std::filesystem::path& model);
 
 }  // namespace ld

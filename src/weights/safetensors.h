@@ -10,7 +10,7 @@
 
 namespace ld {
 
-enum class DType { f16, f32, f64, i64, u8 };
+enum class DType { f16, f32, f64, i64, i8, u8 };
 size_t dtype_bytes(DType type);
 
 struct TensorView {
@@ -19,6 +19,8 @@ struct TensorView {
   std::vector<int64_t> shape;
   const void* data = nullptr;
   size_t bytes = 0;
+
+  int64_t numbers() const { return static_cast<int64_t>(bytes / dtype_bytes(type)); }
 };
 
 using Metadata = std::map<std::string, std::string>;

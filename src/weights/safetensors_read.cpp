@@ -51,8 +51,10 @@ DType dtype_of(const std::string& name, const std::string& where) {
   if (name == "F32") return DType::f32;
   if (name == "F64") return DType::f64;
   if (name == "I64") return DType::i64;
+  if (name == "I8") return DType::i8;
   if (name == "U8") return DType::u8;
-  fail("{}: dtype \"{}\"; expected one of F16, F32, F64, I64, U8; convert the tensor", where, shown(name));
+  fail("{}: dtype \"{}\"; expected one of F16, F32, F64, I64, I8, U8; convert the tensor", where,
+       shown(name));
 }
 
 /// A list of whole numbers >= 0 that fit int64.

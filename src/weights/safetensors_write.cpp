@@ -22,6 +22,8 @@ constexpr const char* dtype_name(DType type) {
       return "F64";
     case DType::i64:
       return "I64";
+    case DType::i8:
+      return "I8";
     case DType::u8:
       return "U8";
   }
@@ -51,6 +53,7 @@ size_t dtype_bytes(DType type) {
     case DType::f64:
     case DType::i64:
       return 8;
+    case DType::i8:
     case DType::u8:
       return 1;
   }

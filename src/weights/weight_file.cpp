@@ -36,7 +36,7 @@ NetworkConfig parse_network(const SafetensorsFile& file) {
   try {
     NetworkConfig network =
         config_from_tree<NetworkConfig>(parse_config(file.metadata_value("network"), name));
-    for (const std::string& feature : network.features) find_feature(feature);
+    for (const std::string& feature : network.features) require_network_feature(feature);
     return network;
   } catch (const UsageError& error) {
     // Nobody typed this network on a command line: it is the file that is wrong. A text of parse_config

@@ -3,12 +3,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <set>
 
 #include "core/json_text.h"
 #include "models/check_network.h"
 #include "tests/benchmark/xml_check.h"
 #include "tests/support/run_program.h"
+#include "weights/released.h"
 
 namespace ld {
 namespace {
@@ -55,6 +57,18 @@ TEST(LdBench, NetworkGivesEveryRowTableAndFigure) {
   std::set<std::string> expected = {"layer_train_128", "optimized_train_128"};
   for (const std::string& name : network_names()) expected.insert(name + "_infer_256");
   EXPECT_EQ(check_rows(json.at("rows")), expected);
+  std::set<std::string> sizes;
+  for (const auto& row : json.at("sizes")) {
+    sizes.insert(row.at("name"));
+    for (const char* key :
+         {"ms", "repeats", "multiply_adds", "bytes", "sgemm_share", "arithmetic_ms", "memory_ms"})
+      EXPECT_GT(row.at(key).get<double>(), 0) << row;
+    EXPECT_EQ(row.at("perfect_ms").get<double>(),
+              std::max(row.at("arithmetic_ms").get<double>(), row.at("memory_ms").get<double>()));
+  }
+  EXPECT_EQ(sizes.size(), 2 * (network_names().size() + released_models().size()));
+  EXPECT_EQ(sizes.count("common_fast_48x33"), 1);
+  EXPECT_GT(json.at("memory_gb_per_s").get<double>(), 0);
   EXPECT_EQ(json.at("samples").size(), 2);
   EXPECT_EQ(json.at("stages").size(), 8);
   EXPECT_EQ(json.at("cost").size(), 2 * network_names().size());  // at two sample counts
@@ -89,6 +103,13 @@ TEST(LdBench, OnlyPicksRowsAndNamesAreChecked) {
   expect_failure(
       run_program("ld_bench", {"ops", "--quick", "--configs", kConfigs, "--only", "gather_forward"}), 2,
       {"no such row", "gather17_forward"});
+  const auto sizes = run_bench(folder, {"network", "--only", "layer_32x32"});
+  EXPECT_TRUE(sizes.at("rows").empty());
+  EXPECT_EQ(sizes.at("sizes").size(), 1);
+  EXPECT_FALSE(sizes.contains("stages"));
+  const auto stages = run_bench(folder, {"network", "--only", "stages"});
+  EXPECT_EQ(stages.at("stages").size(), 8);
+  EXPECT_FALSE(stages.contains("sizes"));
   expect_failure(run_program("ld_bench", {}), 2, {"subcommand"});
 }
 

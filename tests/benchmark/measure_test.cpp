@@ -43,6 +43,14 @@ TEST(Measure, TheBaselineRunsAsACompositionInTurnsWithOurs) {
   EXPECT_EQ(measure_against_composition({work}, options).baseline_repeats, 1);
 
   EXPECT_EQ(m.at_once_ms, 0);
+  Workload other = {work};
+  other.composition = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
+  other.held_mb = 1000;
+  const int before = composed;
+  const Measurement against_other = measure_against_composition(other, options);
+  EXPECT_EQ(composed, before);  // the other work was the baseline
+  EXPECT_GE(against_other.baseline_ms, 20);
+  EXPECT_GE(against_other.peak_mb, 1000);
   EXPECT_GE(measure_against_composition({work, 0, Taps::sliced}, options).at_once_ms, 40);
 }
 
@@ -55,6 +63,10 @@ TEST(Measure, PeakMemorySeesWhatWasFreedAgain) {
 
 TEST(Measure, SgemmSpeedIsPositive) {
   EXPECT_GT(sgemm_gflops(64, 3), 0);
+}
+
+TEST(Measure, MemorySpeedIsPositive) {
+  EXPECT_GT(memory_gb_per_s(3, 1 << 16), 0);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "frame/encoding.h"
 #include "frame/half_rows.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/filter_guides.h"
 #include "tests/support/packed_crop.h"
 #include "tests/support/random_frame.h"
 
@@ -72,7 +73,7 @@ struct Expected {
   int colour(int c) const { return a.colours[static_cast<size_t>(c)]; }
 
   float encoded(int s, const Feature& feature, int c, size_t p) const {
-    if (feature.name == "radiance" || feature.name == "albedo" || feature.name == "specular") c = colour(c);
+    if (feature.channels == 3 && feature.name != "normal") c = colour(c);
     float v[3] = {frame.plane(s, feature.offset)[p], 0, 0};
     for (int i = 1; i < feature.channels; ++i) v[i] = frame.plane(s, feature.offset + i)[p];
     if (feature.vector != Vector::none) {
@@ -152,6 +153,34 @@ TEST(Crop, EveryPixelIsWhereAndWhatItShouldBe) {
     inside.width = inside.height = 1;
     check_crop(frame, packed, inside);
   }
+}
+
+TEST(Crop, PartsOfRadianceTurnAndShineAsItDoes) {
+  const Frame frame = frame_with_filter_guides(21, 13, 2, 5);
+  const std::vector<std::string> features = {"radiance", "flow", "direct", "indirect", "emission"};
+  const PackedFrame packed = pack(frame, mean_radiance(frame), features);
+  EXPECT_EQ(packed.features, features);
+  for (const bool flip_x : {false, true})
+    for (const bool flip_y : {false, true})
+      for (int turns = 0; turns < 4; ++turns) {
+        Augmentation a = whole_frame(21, 13, flip_x, flip_y, turns);
+        check_crop(frame, packed, a);
+        a.colours = {2, 0, 1};
+        a.exposure = 1.75F;
+        check_crop(frame, packed, a);
+      }
+}
+
+TEST(Crop, WhatFiltersReadIsNotPackedUnlessItIsAskedFor) {
+  const Frame with = frame_with_filter_guides(21, 13, 2, 5);
+  Frame without(21, 13, 2);
+  without.info.depth_scale = with.info.depth_scale;
+  for (int s = 0; s < 2; ++s)
+    std::copy_n(with.plane(s, 0), size_t{kSampleChannels} * with.plane_size(), without.plane(s, 0));
+  const PackedFrame a = pack(with, mean_radiance(with), mh20_feature_names()),
+                    b = pack(without, mean_radiance(without), mh20_feature_names());
+  ASSERT_EQ(a.bytes(), b.bytes());
+  EXPECT_TRUE(std::equal(a.samples, a.samples + a.tiles() * a.tile_samples(), b.samples));
 }
 
 TEST(Crop, FeaturesComeInTheOrderThatIsAskedFor) {

@@ -59,11 +59,11 @@ class FrameStoreTest : public testing::Test {
   static std::vector<float> values(FrameStore& store, size_t index) {
     const Augmentation whole = whole_frame(store.width(index), store.height(index), true, false, 1);
     const auto frame = store.get_intact(index, store.get(index), whole.tiles());
-    CropOfFrame crop = crop_of(*frame, whole);
-    crop.frame.samples.insert(crop.frame.samples.end(), crop.radiance.begin(), crop.radiance.end());
-    crop.frame.samples.insert(crop.frame.samples.end(), crop.reference.pixels.begin(),
-                              crop.reference.pixels.end());
-    return crop.frame.samples;
+    const CropOfFrame crop = crop_of(*frame, whole);
+    std::vector<float> all(crop.frame.samples.begin(), crop.frame.samples.end());
+    all.insert(all.end(), crop.radiance.begin(), crop.radiance.end());
+    all.insert(all.end(), crop.reference.pixels.begin(), crop.reference.pixels.end());
+    return all;
   }
   std::vector<float> values(const CacheOptions& cache, size_t index = 0) {
     FrameStore store(data(), "train", kFeatures, cache);

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "frame/frame_file.h"
 #include "frame/manifest.h"
+#include "tests/support/filter_guides.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/temporary_folder.h"
 
@@ -49,6 +50,13 @@ TEST(VaryingFeatures, WhatNeverVariesIsLeftOut) {
   fill(frame, "depth", 7.001F);     // rounding
   variation.add(frame);
   expected.insert(expected.begin() + 4, "roughness");
+  EXPECT_EQ(variation.used(), expected);
+}
+
+TEST(VaryingFeatures, WhatFiltersReadIsNotLookedFor) {
+  FeatureVariation variation;
+  variation.add(frame_with_filter_guides(5, 3, 2));
+  Names expected = mh20_feature_names();
   EXPECT_EQ(variation.used(), expected);
 }
 

@@ -31,12 +31,13 @@ struct Picture {
 using Pictures = std::vector<Picture>;
 
 /// Eight rendered frames; the data set that every fault is put into.
-inline Pictures render_pictures(const std::filesystem::path& folder) {
+inline Pictures render_pictures(const std::filesystem::path& folder, bool filter_guides = false) {
   Recipe recipe;
   recipe.resolution = {kSize, kSize};
   recipe.spp = 8;
   recipe.reference_spp = {64, 64, 64, 1};
   recipe.frames = {6, 1, 1, 0};
+  recipe.filter_guides = filter_guides;
   render_dataset(recipe, folder, 0, 8, default_threads());
   Pictures pictures;
   for (const ManifestFrame& entry : read_manifest(folder).frames) {

@@ -40,7 +40,7 @@ TEST(BlurSweep, ChoosesForEachMetricTheWidthWithTheBestMeanOfTheSet) {
       for (size_t f = 0; f < 3; ++f)
         mean += metrics()[m].compute(gaussian_blur(noisy[f], sigma), references[f]) / 3;
       EXPECT_FALSE(
-          better(metrics()[m], mean - (metrics()[m].lower_is_better ? -1e-12 : 1e-12), scores.mean(m)))
+          better(metrics()[m], mean - (metrics()[m].best == Best::lowest ? -1e-12 : 1e-12), scores.mean(m)))
           << sigma;
       if (sigma == scores.sigmas[m]) {
         EXPECT_NEAR(mean, scores.mean(m), 1e-12);

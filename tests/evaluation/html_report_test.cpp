@@ -129,6 +129,29 @@ TEST(HtmlReport, NamesAreDataAndNeverElements) {
   EXPECT_EQ(count_of(page, "<script"), count_of(page, "</script>"));
 }
 
+TEST(HtmlReport, SequencesPlayFromTheirStart) {
+  const FrameSet frames = {
+      5, [](size_t i) { return still_frame("f" + std::to_string(i), 20, 18, i < 3 ? 0 : 1, int64_t(i)); }};
+  ReportOptions options;
+  options.sequences = {{0, 1, 2}, {3, 4}};
+  options.most_frames = 2;
+  options.sequence_side = 10;
+  ReportWriter report(frames.count, options);
+  EvaluatorOptions evaluator;
+  evaluator.sequences = true;
+  evaluator.on_pictures = [&](size_t f, const std::string& name,
+                              const std::vector<LabelledPicture>& pictures) {
+    report.add(f, name, pictures);
+  };
+  const std::optional<Evaluation> evaluation = evaluate(frames, {{"mean", mean_of_samples}}, evaluator);
+  const TemporaryFolder folder;
+  report.write(folder / "report.html", *evaluation);
+  const std::string page = read_file(folder / "report.html");
+  EXPECT_EQ(count_of(page, "id=\"clip-"), 2U * 2 * 4 + 6) << "and the page's own elements";
+  EXPECT_NE(page.find("{\"width\":10,\"height\":10,\"frames\":[\"f0\",\"f1\"]}"), std::string::npos);
+  EXPECT_NE(page.find("\"unit\":\"sequence\""), std::string::npos);
+}
+
 TEST(HtmlReport, LimitsFramesAndSize) {
   ReportOptions options;
   options.frames = 2;

@@ -4,7 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/data_set.h"
+#include "frame/frame_file.h"
+#include "frame/manifest.h"
 #include "metrics/metric.h"
+#include "test_frames.h"
 #include "tests/support/run_program.h"
 #include "tests/support/tiny_dataset.h"
 
@@ -129,6 +132,52 @@ TEST_F(LdEval, RowsForEachFrameAndALimitOnRequest) {
   const ProgramResult two = run({"--split", "train", "--per-frame", "--frames-limit", "2"});
   EXPECT_NE(two.output.find("| frame_1 | blur "), std::string::npos) << two.output;
   EXPECT_EQ(two.output.find("frame_2"), std::string::npos) << two.output;
+}
+
+/// Two sequences of three frames of a still wall, in the test split.
+void write_sequences(const fs::path& folder) {
+  Manifest manifest;
+  for (int i = 0; i < 6; ++i) {
+    const EvaluationFrame frame = still_frame("s" + std::to_string(i), 20, 18, i / 3, i % 3);
+    write_frame(frame_path(folder, frame.name), frame.frame);
+    write_image(reference_path(folder, frame.name), frame.reference);
+    ManifestFrame entry;
+    entry.name = frame.name;
+    entry.split = "test";
+    entry.sequence = i / 3;
+    entry.position = i % 3;
+    manifest.frames.push_back(entry);
+  }
+  add_to_manifest(folder, manifest);
+}
+
+TEST_F(LdEval, SequencesAreMeasuredAndPlayedAndBecomeFilms) {
+  fs::create_directories(folder_ / "moving");
+  write_sequences(folder_ / "moving");
+  const std::vector<std::string> command = {"--data",      path("moving"), "--out",       path("out"),
+                                            "--sequences", "--metrics",    "flip",        "--movies",
+                                            "mp4",         "--json",       path("a.json")};
+  const ProgramResult result = run_program("ld_eval", command);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* text : {"Over whole sequences:", "steadier", "means over 2 sequences", "| FLIP"})
+    EXPECT_NE(result.output.find(text), std::string::npos) << text << " in\n" << result.output;
+  for (const char* name : {"sequences.csv", "sequence_comparison.csv", "sequence_error.svg"})
+    EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+  for (const char* film : {"s0", "s3"})
+    EXPECT_TRUE(fs::exists(folder_ / "out/movies" / (std::string(film) + ".mp4")) ||
+                fs::exists(folder_ / "out/movies" / film / "000002.png"));
+  const auto json = nlohmann::json::parse(read_file(folder_ / "a.json"));
+  EXPECT_EQ(json["sequences"]["frame_count"], 2);
+  EXPECT_GT(json["sequences"]["methods"]["blur"]["mean"]["steadier"], 1);
+  EXPECT_GT(json["methods"]["noisy"]["mean"]["flip"], 0);
+  EXPECT_NE(read_file(folder_ / "out/report.html").find("id=\"clip-1-2-0\""), std::string::npos);
+}
+
+TEST_F(LdEval, WhereNoFramesFollowOneAnotherSequencesAreAnError) {
+  expect_failure(run({"--sequences"}), 1, {"no two frames of this split follow one another"});
+  expect_failure(run({"--movies", "webm"}), 2, {"--movies webm", "follow one another"});
+  expect_failure(run({"--movies", "avi"}), 2, {"--movies"});
+  expect_failure(run({"--metrics", "flop"}), 2, {"no metric 'flop', did you mean 'flip'?"});
 }
 
 TEST_F(LdEval, TheSameFramesGiveTheSameBytes) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Opens the report of write_test_report in headless Chromium and uses it: report_test.py WRITE_TEST_REPORT OUT.
 
-Leaves OUT/report.html and OUT/report.png. What the pictures hold is said in write_test_report.cpp.
+Leaves OUT/report.html and OUT/report.png, and of sequences sequences.html and sequences.png. What the pictures hold is said in write_test_report.cpp.
 """
 import json
 import math
@@ -232,6 +232,57 @@ def check_frames(report):
     report.wait_for_frame(0)
 
 
+def check_sequences(report):
+    """Clips play, and differences and slices show what the frozen method, the noise and the reference do."""
+    js = report.js
+    WebDriverWait(report.driver, 30).until(lambda d: d.execute_script("return document.getElementById('sequences').dataset.ready") == "0")
+    expect_equal(report.texts("#clip-tabs button"), ["frame_0 + 3", "frame_4 + 3"], "sequences")
+    expect_equal(report.texts("#clips figcaption"), LABELS, "methods that play")
+
+    def pixel(canvas, x, y):
+        return js("return [...[...document.querySelectorAll(arguments[0])].map((c) => [...c.getContext('2d').getImageData(arguments[1], arguments[2], 1, 1).data].slice(0, 3))]", canvas, x, y)
+
+    clip = "#clips canvas:not(.slice)"
+    scale = js("return document.querySelector('#clips canvas').width / 48")
+    places = (int(20 * scale), int(5 * scale))
+    first = pixel(clip, *places)
+    reference = [shown(0.6 + 0.4 * math.sin(0.2 * 20 + 0.1 * c) * math.cos(0.15 * 5)) for c in range(3)]
+    expect_near(first[4], reference, 1, "the reference")
+    js("setClipFrame(2)")
+    third = pixel(clip, *places)
+    expect_equal((third[2], third[4]), (first[2], first[4]), "the frozen method and the reference at the third frame")
+    expect(third[3] != first[3], "noise changes")
+    report.driver.find_element(By.CSS_SELECTOR, "[data-clip-mode=difference]").click()
+    expect_equal(pixel(clip, *places)[4], [128] * 3, "the reference's difference")
+    expect(pixel(clip, *places)[3] != [128] * 3, "the difference of the noise")
+    report.driver.find_element(By.CSS_SELECTOR, "[data-clip-mode=change]").click()
+    expect_equal(pixel(clip, *places)[2], [128] * 3, "the frozen method's change")
+    report.driver.find_element(By.CSS_SELECTOR, "[data-clip-mode=picture]").click()
+    js("setClipLine(5)")
+    rows = js("return document.querySelector('#clips .slice').height") // 4
+    columns = [pixel("#clips .slice", 20, rows * f + rows // 2) for f in range(4)]
+    expect(all(column[2] == columns[0][2] for column in columns), "no stripes of the frozen method")
+    expect_near(columns[0][4], reference, 1, "the reference's slice")
+    expect(len({tuple(column[3]) for column in columns}) == 4, "stripes of the noise")
+    report.element("clip-play").click()
+    expect_equal(report.element("clip-play").text, "Pause", "while it plays")
+    WebDriverWait(report.driver, 10).until(lambda d: d.execute_script("return clip.frame") not in (2,))
+    report.element("clip-play").click()
+    frame = js("return clip.frame")
+    expect_equal(report.texts("#clip-name"), [f"frame_{frame}"], "the frame's name")
+    report.driver.find_element(By.CSS_SELECTOR, "#clip-tabs button:nth-child(2)").click()
+    WebDriverWait(report.driver, 10).until(lambda d: d.execute_script("return document.getElementById('sequences').dataset.ready") == "1")
+    expect_equal(report.texts("#clip-name"), ["frame_4"], "the other sequence")
+    rows = report.texts("#sequence-table tbody tr")
+    expect_equal(len(rows), 4, "rows of scores of sequences")
+    expect("steadier ↑" in report.texts("#sequence-table thead th") and "detail → 1" in report.texts("#sequence-table thead th"), "measures")
+    expect("2 sequences" in report.element("sequence-note").text, "what the means are over")
+    expect("mean of |e|" in report.element("formula-list").text, "formulas of the measures")
+    widths = js("return [...document.querySelectorAll('#curves img')].map((i) => i.complete && i.naturalWidth)")
+    expect(len(widths) == 3 and all(widths), f"curves: {widths}")
+    expect_equal(js("return document.querySelectorAll('img:not(.curve)').length"), 0, "elements made of names")
+
+
 def check_silence(driver, page):
     """No complaint on the console, nothing asked of anyone but the file itself."""
     complaints = [entry for entry in driver.get_log("browser")
@@ -263,6 +314,13 @@ def main():
                 print(check.__name__, "passed", flush=True)
             check_silence(driver, page)
             driver.save_screenshot(str(out / "report.png"))
+            page = out / "sequences.html"
+            subprocess.run([program, page, "sequences"], check=True)
+            report = Report(driver, page)
+            check_sequences(report)
+            print("check_sequences passed", flush=True)
+            check_silence(driver, page)
+            report.element("sequences").screenshot(str(out / "sequences.png"))
         finally:
             driver.quit()
 

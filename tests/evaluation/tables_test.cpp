@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "metrics/sequence_meter.h"
 #include "tests/support/special_values.h"
 
 namespace ld {
@@ -134,9 +135,27 @@ TEST(Tables, TheFloorStandsBelowTheMethods) {
   EXPECT_EQ(to_csv(evaluation), to_csv(example()));
 }
 
+TEST(Tables, WhatDoesNotApplyIsNoZeroAndNoScore) {
+  Evaluation evaluation = example();
+  evaluation.of_sequences = true;
+  for (MethodScores& method : evaluation.methods) {
+    method.frames[0].applies = {false, true, true, false};
+    method.frames[1].applies = {true, true, true, false};
+  }
+  EXPECT_EQ(evaluation.method("noisy").mean(0), 0.75);
+  const std::vector<std::string> means = lines(markdown_means(evaluation));
+  EXPECT_EQ(means[2], "| noisy     | 0.7500 | 0.1875 | 0.6250 |    - |       - |");
+  EXPECT_NE(markdown_intervals(evaluation).find("over 2 sequences"), std::string::npos);
+  EXPECT_NE(markdown_comparison(evaluation).find("2 sequences are too few"), std::string::npos);
+  const auto json = nlohmann::json::parse(to_json(evaluation).dump());
+  EXPECT_EQ(json["unit"], "sequence");
+  EXPECT_TRUE(json["methods"]["noisy"]["mean"]["psnr"].is_null());
+  EXPECT_TRUE(json["comparison"]["methods"]["noisy"]["psnr"]["mean_difference"].is_null());
+}
+
 TEST(Tables, FormulasOfAllMetrics) {
   const std::vector<std::string> text = lines(formulas_text());
-  ASSERT_EQ(text.size(), 5U);
+  ASSERT_EQ(text.size(), 1 + metrics().size() + further_metrics().size() + sequence_measures().size());
   EXPECT_EQ(text[1].find("relMSE = mean over pixels and channels of (d - r)^2 / (r^2 + 0.0001)"), 0U);
   EXPECT_EQ(text[2].find("SMAPE = mean over pixels and channels of |d - r| / (|d| + |r| + 0.01)"), 0U);
   EXPECT_NE(text[3].find("C1 = 0.01^2, C2 = 0.03^2"), std::string::npos);

@@ -34,6 +34,19 @@ inline EvaluationFrame noisy_frame(const std::string& name, int width, int heigh
   return result;
 }
 
+/// The same as a frame of a sequence: a wall that faces the camera and stands still.
+inline EvaluationFrame still_frame(const std::string& name, int width, int height, int64_t sequence,
+                                   int64_t position) {
+  EvaluationFrame result = noisy_frame(name, width, height, 2, static_cast<int>(10 * sequence + position));
+  result.reference = smooth_picture(width, height, static_cast<int>(sequence));
+  result.in_sequence = SequencePlace{sequence, position};
+  result.frame.features.emplace_back("flow");
+  for (int s = 0; s < result.frame.spp; ++s)
+    for (size_t i = 0; i < result.frame.plane_size(); ++i)
+      result.frame.plane(s, kNormalOffset + 2)[i] = result.frame.plane(s, kDepthOffset)[i] = 1;
+  return result;
+}
+
 /// The least of all methods.
 inline Image mean_of_samples(const Frame& frame, SequenceState&) {
   return mean_radiance(frame);

@@ -1,7 +1,9 @@
 // Writes a small report whose pictures and names tests/evaluation/report_test.py knows:
-// write_test_report FILE.
+// write_test_report FILE, or write_test_report FILE sequences.
+#include <any>
 #include <cstdio>
 #include <limits>
+#include <string>
 
 #include "evaluation/html_report.h"
 #include "test_frames.h"
@@ -21,11 +23,43 @@ ld::Image flat_picture(const ld::Frame& frame, ld::SequenceState&) {
   return image;
 }
 
+/// Two sequences of four frames of a still wall; a method that keeps its first picture, and the mean.
+void write_sequences(const char* file) {
+  const ld::FrameSet frames = {8, [](size_t i) {
+                                 return ld::still_frame("frame_" + std::to_string(i), 48, 32,
+                                                        static_cast<int64_t>(i / 4),
+                                                        static_cast<int64_t>(i % 4));
+                               }};
+  ld::ReportOptions options;
+  options.sequences = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+  ld::ReportWriter report(frames.count, options);
+  ld::EvaluatorOptions evaluator;
+  evaluator.sequences = true;
+  evaluator.on_pictures = [&](size_t f, const std::string& name,
+                              const std::vector<ld::LabelledPicture>& pictures) {
+    report.add(f, name, pictures);
+  };
+  const ld::Method frozen{"<img src=x onerror=alert(1)>",
+                          [](const ld::Frame& frame, ld::SequenceState& state) {
+                            if (!state.memory.has_value()) state.memory = ld::mean_radiance(frame);
+                            return std::any_cast<ld::Image>(state.memory);
+                          }};
+  std::optional<ld::Evaluation> evaluation =
+      ld::evaluate(frames, {frozen, {"mean", ld::mean_of_samples}}, evaluator);
+  evaluation->data = "sequences";
+  evaluation->split = "test";
+  report.write(file, *evaluation);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 3 && std::string(argv[2]) == "sequences") {
+    write_sequences(argv[1]);
+    return 0;
+  }
   if (argc != 2) {
-    std::fprintf(stderr, "usage: write_test_report FILE\n");
+    std::fprintf(stderr, "usage: write_test_report FILE [sequences]\n");
     return 2;
   }
   // The last frame is of another size than the others.

@@ -46,9 +46,9 @@ TEST_F(SafetensorsExport, Float16StaysWithinItsBoundAndTheFileSaysByHowMuch) {
   EXPECT_EQ(said.at("dtype"), "f16");
   EXPECT_EQ(said.at("rounded_weights").at("largest_relative_difference"), parity.largest_relative_difference);
   EXPECT_EQ(said.at("rounded_weights").at("allowed"), kHalfTolerance);
-  EXPECT_EQ(
-      largest_relative_difference(outputs(*load_model(path()), inputs_), outputs(*source_.network, inputs_)),
-      parity.largest_relative_difference);
+  EXPECT_EQ(largest_relative_difference(outputs(*load_network(path()), inputs_),
+                                        outputs(*source_.network, inputs_)),
+            parity.largest_relative_difference);
 }
 
 TEST_F(SafetensorsExport, WeightsBeyondHalfsRangeAreNamed) {
@@ -74,7 +74,7 @@ TEST_F(SafetensorsExport, MissingModelsAreErrorsAndLeaveNothing) {
 TEST_F(SafetensorsExport, AFlippedBitInACheckpointIsNamed) {
   const std::filesystem::path checkpoint = folder_ / "run/checkpoints/step_1";
   make_folder(checkpoint);
-  save_model(checkpoint / "weights.safetensors", *source_.network, "", DType::f32);
+  save_network(checkpoint / "weights.safetensors", *source_.network, "", DType::f32);
   for (const char* other : {"optimizer.safetensors", "state.json"})
     write_file_atomically(checkpoint / other, "x");
   write_checkpoint_checksums(checkpoint);
@@ -109,9 +109,9 @@ TEST(ParameterCount, AHeaderThatAsksForTerabytesIsRefusedFirst) {
                       make_weights_metadata(network, ""));
     return folder / "w.safetensors";
   };
-  EXPECT_ERROR(load_model(write(config)), "w.safetensors: holds 1 numbers, but the network");
+  EXPECT_ERROR(load_network(write(config)), "w.safetensors: holds 1 numbers, but the network");
   config.unet.decoder.pop_back();
-  EXPECT_ERROR(load_model(write(config)),
+  EXPECT_ERROR(load_network(write(config)),
                "w.safetensors: metadata: network: network.unet.encoder has 8 blocks");
 }
 

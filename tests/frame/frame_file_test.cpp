@@ -173,7 +173,8 @@ TEST(FrameFile, AlphaIsMendedLikeTheRest) {
 
 TEST(Schema, TheTwentyChannelsOfThePaperComeFirst) {
   EXPECT_EQ(channel_count(mh20_feature_names()), 20);
-  EXPECT_EQ(channel_count(feature_names()), kSampleChannels);
+  EXPECT_EQ(channel_count(auto_feature_names()), kSampleChannels);
+  EXPECT_EQ(channel_count(feature_names()), kAllChannels);
   int offset = 0;
   for (const Feature& feature : feature_schema()) {
     EXPECT_EQ(feature.offset, offset) << feature.name;

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "frame/sequence_runs.h"
-#include "frame/sequence_state.h"
+#include "sequence/sequence_runs.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 namespace {

@@ -13,6 +13,7 @@
 #include "import/hdf5_layout.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/exr_parts.h"
+#include "tests/support/filter_guides.h"
 #include "tests/support/random_frame.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
@@ -83,6 +84,46 @@ TEST(Hdf5, ADataSetSurvives) {
   }
   data_set_to_hdf5(folder / "data", "train", folder / "again.h5", folder / "references.h5");
   EXPECT_EQ(read_file(folder / "again.h5"), read_file(folder / "samples.h5"));
+}
+
+TEST(Hdf5, WhatFiltersReadSurvives) {
+  const TemporaryFolder folder;
+  for (uint32_t i = 0; i < 2; ++i) {
+    Frame frame = frame_with_filter_guides(8, 6, 2, i + 1);
+    frame.plane(0, kIdOffset)[7] = kMostId - 1;
+    frame.info.cut = i == 1;
+    add_to_data_set({folder / "data", "frame_" + std::to_string(i), "train"}, frame, grey_reference(8, 6));
+  }
+  const Hdf5Report report =
+      data_set_to_hdf5(folder / "data", "train", folder / "samples.h5", folder / "references.h5");
+  EXPECT_TRUE(report.left_out.empty());
+  EXPECT_TRUE(read_pair(folder, "back").left_out.empty());
+  for (size_t i = 0; i < 2; ++i) {
+    const Frame before = read_back(folder / "data", i).frame, after = read_back(folder / "back", i).frame;
+    for (const std::string& name : feature_names()) EXPECT_TRUE(after.holds(name)) << name;
+    for (int c = kFlowOffset; c < kAllChannels; ++c)
+      for (size_t p = 0; p < before.plane_size(); ++p)
+        EXPECT_EQ(after.plane(1, c)[p], before.plane(1, c)[p]) << "channel " << c;
+    EXPECT_EQ(after.plane(0, kIdOffset)[7], kMostId - 1);
+    EXPECT_EQ(after.info.world_to_camera, before.info.world_to_camera);
+    EXPECT_EQ(after.info.world_to_ndc, before.info.world_to_ndc);
+    EXPECT_EQ(after.info.cut, i == 1);
+  }
+}
+
+TEST(Hdf5, WhatSomeFramesLackIsLeftOut) {
+  const TemporaryFolder folder;
+  for (uint32_t i = 0; i < 2; ++i) {
+    Frame frame = frame_with_filter_guides(8, 6, 2, i + 1);
+    if (i == 1) frame.features.erase(std::find(frame.features.begin(), frame.features.end(), "id"));
+    add_to_data_set({folder / "data", "frame_" + std::to_string(i), "train"}, frame, grey_reference(8, 6));
+  }
+  const Hdf5Report report =
+      data_set_to_hdf5(folder / "data", "train", folder / "samples.h5", folder / "references.h5");
+  EXPECT_EQ(report.left_out, std::vector<std::string>{"id"});
+  read_pair(folder, "back");
+  EXPECT_FALSE(read_back(folder / "back", 0).frame.holds("id"));
+  EXPECT_TRUE(read_back(folder / "back", 0).frame.holds("direct"));
 }
 
 TEST(Hdf5, HoldsThePublishedLayoutAndUnits) {

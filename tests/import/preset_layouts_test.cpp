@@ -47,6 +47,25 @@ class PresetLayouts : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(PresetLayouts, CyclesNumbersObjects) {
+  const auto layer = [](const std::string& pass, float value) {
+    return Values{{"ViewLayer.Combined.R", 0.5F}, {"ViewLayer.Combined.G", 0.5F},
+                  {"ViewLayer.Combined.B", 0.5F}, {"ViewLayer.Combined.A", 1},
+                  {"ViewLayer.Depth.Z", 4},       {"ViewLayer." + pass, value}};
+  };
+  const Frame frame = import_as("cycles", {layer("IndexOB.X", 70000)});
+  expect(frame, "id", {70000});
+  ASSERT_TRUE(frame.info.world_to_camera && frame.info.world_to_ndc);
+  const Matrix4 to_world = camera_to_world(*frame.info.world_to_camera);
+  const std::array<float, 3> position = {1, 0, 10}, back = {1, 0, 0};
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(to_world[4 * i + 3], position[i], 1e-5);
+    EXPECT_NEAR(to_world[4 * i + 2], back[i], 1e-6);
+  }
+  expect(import_as("cycles", {layer("Object Index.X", 3)}), "id", {3});
+  EXPECT_FALSE(import_as("cycles", {layer("IndexOB.X", 0)}).holds("id")) << "nobody numbered the objects";
+}
+
 // The world's +x is towards this camera, +y its up, -z its right. Of a point at x = -4 the depth is 5.
 TEST_F(PresetLayouts, KarmaInWorldSpace) {
   const Values albedo = xyz("albedo", "RGB", 0.25F, 0.5F, 1.5F);

@@ -22,7 +22,7 @@ class Advice : public ::testing::Test {
   std::string weights(const std::string& name, const std::vector<std::string>& features) const {
     NetworkConfig config = small_config();
     config.features = features;
-    save_model(path(name), *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(path(name), *small_network(config, torch::kFloat32), "{}", DType::f32);
     return path(name);
   }
 

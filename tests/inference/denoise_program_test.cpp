@@ -98,14 +98,14 @@ class DenoiseProgram : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete shared_; }
   static void save(const NetworkConfig& config, const std::string& name) {
-    save_model(path(name), *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(path(name), *small_network(config, torch::kFloat32), "{}", DType::f32);
   }
   static std::string path(const std::string& name) { return (*shared_ / name).string(); }
   static DenoiseJob job(const std::string& input, const std::string& output,
                         const std::string& model = "layer", std::optional<FrameRange> range = {}) {
     DenoiseJob job;
     job.model = path(model + ".safetensors");
-    job.tasks = plan_sequence({path(input)}, path(output), range, false);
+    job.tasks = plan_tasks({path(input)}, path(output), range, false);
     return job;
   }
 
@@ -256,7 +256,7 @@ TEST_F(DenoiseProgram, TakesRendersThroughAPreset) {
   renders.render.camera = read_camera(fixtures / "camera.yaml");
   std::vector<std::string> samples;
   for (int i = 0; i < 4; ++i) samples.push_back((fixtures / fmt::format("sample_{:02}.exr", i)).string());
-  renders.tasks = plan_sequence(samples, path("cycles.exr"), {}, true);
+  renders.tasks = plan_tasks(samples, path("cycles.exr"), {}, true);
   const DenoiseReport report = run_denoise_job(renders);
   EXPECT_EQ(report.frames[0]["spp"], 4);
   renders.samples = 3;

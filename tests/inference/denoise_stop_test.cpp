@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 class StoppedDenoising : public ::testing::Test {
  protected:
   StoppedDenoising() {
-    save_model(path("layer.safetensors"), *small_network(small_config(), torch::kFloat32), "{}", DType::f32);
+    save_network(path("layer.safetensors"), *small_network(small_config(), torch::kFloat32), "{}",
+                 DType::f32);
     write_frame(path("in.0001.exr"), random_frame(12, 9, 2));
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }

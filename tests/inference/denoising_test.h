@@ -32,7 +32,7 @@ class DenoisingTest : public ::testing::Test {
     shared_ = new TemporaryFolder;
     NetworkConfig config = small_config();
     config.features = {"radiance"};
-    save_model(path("model.safetensors"), *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(path("model.safetensors"), *small_network(config, torch::kFloat32), "{}", DType::f32);
   }
   static void TearDownTestSuite() { delete shared_; }
   static std::string path(const std::string& name) { return (*shared_ / name).string(); }

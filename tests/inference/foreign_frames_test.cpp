@@ -31,7 +31,7 @@ class ForeignFrames : public DenoisingTest {
   static void denoise(const std::string& input, const std::string& output, bool full_float = false) {
     DenoiseJob job;
     job.model = path("model.safetensors");
-    job.tasks = plan_sequence({path(input)}, path(output), {}, false);
+    job.tasks = plan_tasks({path(input)}, path(output), {}, false);
     job.full_float = full_float;
     run_denoise_job(job);
   }

@@ -33,7 +33,7 @@ std::shared_ptr<Network> tiny_network() {
 
 class Inference : public ::testing::Test {
  protected:
-  void SetUp() override { save_model(model(), *network_, "{}", DType::f32); }
+  void SetUp() override { save_network(model(), *network_, "{}", DType::f32); }
   std::filesystem::path model() const { return folder_ / "model.safetensors"; }
 
   /// The model file with one tensor replaced (an undefined one: removed), or added under a new name.
@@ -84,7 +84,7 @@ TEST_F(Inference, AFrameMayLackAnOptionalFeature) {
   config.optional = {"specular", "albedo"};
   const auto network = make_network(config);
   initialise(*network, 3);
-  save_model(folder_ / "optional.safetensors", *network, "{}", DType::f32);
+  save_network(folder_ / "optional.safetensors", *network, "{}", DType::f32);
   const Denoiser denoiser(folder_ / "optional.safetensors");
   EXPECT_EQ(denoiser.features().size() + 2, config.features.size());
   Frame frame = random_frame(9, 7, 3, 4);
@@ -108,7 +108,7 @@ TEST_F(Inference, AFrameMayLackAnOptionalFeature) {
 }
 
 TEST_F(Inference, AModelFileKeepsEveryBitAndItsConfiguration) {
-  const std::shared_ptr<Network> loaded = load_model(model());
+  const std::shared_ptr<Network> loaded = load_network(model());
   EXPECT_EQ(config_to_yaml(loaded->config()), config_to_yaml(network_->config()));
   const auto expected = network_->named_parameters();
   for (const auto& parameter : loaded->named_parameters())

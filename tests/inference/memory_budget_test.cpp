@@ -39,9 +39,9 @@ Frame some_frame(int width, int height, int spp) {
 TEST(MemoryBudget, AnyGivesTheSameBitsOnOddSizes) {
   for (const NetworkConfig& config : reaching_configs()) {
     const TemporaryFolder folder;
-    save_model(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
     const Denoiser denoiser(folder / "model.safetensors");
-    const NetworkWeights network = read_network(folder / "model.safetensors");
+    const NetworkWeights network = read_network_weights(folder / "model.safetensors");
     for (const auto& [width, height, spp] : {std::tuple{37, 53, 2}, {129, 65, 1}, {1, 1, 1}, {3, 150, 3}}) {
       const Frame frame = some_frame(width, height, spp);
       const Image expected = denoiser.denoise(frame);
@@ -59,7 +59,7 @@ class Budget : public ::testing::Test {
   void SetUp() override {
     NetworkConfig config = reaching_configs()[0];
     config.unet.context = 64;
-    save_model(folder_ / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
+    save_network(folder_ / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
   }
   TemporaryFolder folder_;
 };
@@ -101,29 +101,49 @@ TEST_F(Budget, ProgressRisesToTheEndAndCancellingEndsIt) {
   EXPECT_NO_THROW(denoiser.denoise(frame, options)) << "a cancelled run leaves nothing behind";
 }
 
-TEST_F(Budget, LayersAddUpToThePictureAndKernelsToOne) {
-  const Denoiser denoiser(folder_ / "model.safetensors");
-  const Frame frame = some_frame(40, 33, 3);
-  const Image image = denoiser.denoise(frame);
-  const std::vector<LayerPicture> layers = denoiser.layers(frame);
-  ASSERT_EQ(layers.size(), 2u);
-  for (size_t i = 0; i < image.pixels.size(); ++i)
-    ASSERT_NEAR(layers[0].contribution.pixels[i] + layers[1].contribution.pixels[i], image.pixels[i], 1e-5);
-  for (size_t p = 0; p < image.plane_size(); ++p) {
-    ASSERT_NEAR(layers[0].weight.pixels[p] + layers[1].weight.pixels[p], 1, 1e-5);
-    ASSERT_NEAR(layers[1].alpha.pixels[p], 1, 1e-5) << "nothing shines through the last layer";
+/// The network "layer" with both compositors, with and without demodulation.
+std::vector<NetworkConfig> layer_configs() {
+  std::vector<NetworkConfig> configs;
+  for (const NetworkConfig& config : reaching_configs())
+    for (const char* compositing : {"alpha", "weighted"})
+      if (config.name == "layer" && config.compositing == "alpha") {
+        configs.push_back(config);
+        configs.back().compositing = compositing;
+      }
+  return configs;
+}
+
+TEST(Layers, AddUpToThePictureAndKernelsToOne) {
+  ASSERT_EQ(layer_configs().size(), 4u);
+  for (const NetworkConfig& config : layer_configs()) {
+    SCOPED_TRACE(title(config));
+    const TemporaryFolder folder;
+    save_network(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
+    const Denoiser denoiser(folder / "model.safetensors");
+    const Frame frame = some_frame(40, 33, 3);
+    const Image image = denoiser.denoise(frame);
+    const float largest = *std::max_element(image.pixels.begin(), image.pixels.end());
+    const std::vector<LayerPicture> layers = denoiser.layers(frame);
+    ASSERT_EQ(layers.size(), 2u);
+    for (size_t i = 0; i < image.pixels.size(); ++i)
+      ASSERT_NEAR(layers[0].contribution.pixels[i] + layers[1].contribution.pixels[i], image.pixels[i],
+                  1e-5 * largest);
+    for (size_t p = 0; p < image.plane_size(); ++p) {
+      ASSERT_NEAR(layers[0].weight.pixels[p] + layers[1].weight.pixels[p], 1, 1e-5);
+      ASSERT_NEAR(layers[1].alpha.pixels[p], 1, 1e-5) << "nothing shines through the last layer";
+    }
+    for (const auto& [x, y] : {std::pair{0, 0}, {39, 32}, {20, 7}}) {
+      const std::vector<Image> kernels = denoiser.kernels_at(frame, x, y);
+      ASSERT_EQ(kernels.size(), 2u);
+      double sum = 0;
+      for (const Image& kernel : kernels)
+        for (const float share : kernel.pixels) sum += share;
+      bool drawn = false;
+      for (int s = 0; s < 3; ++s) drawn = drawn || frame.valid_plane(s)[y * 40 + x] != 0;
+      EXPECT_NEAR(sum, drawn ? 1 : 0, 1e-5);
+    }
+    EXPECT_ERROR(denoiser.kernels_at(frame, 40, 0), "no pixel (40, 0)");
   }
-  for (const auto& [x, y] : {std::pair{0, 0}, {39, 32}, {20, 7}}) {
-    const std::vector<Image> kernels = denoiser.kernels_at(frame, x, y);
-    ASSERT_EQ(kernels.size(), 2u);
-    double sum = 0;
-    for (const Image& kernel : kernels)
-      for (const float share : kernel.pixels) sum += share;
-    bool drawn = false;
-    for (int s = 0; s < 3; ++s) drawn = drawn || frame.valid_plane(s)[y * 40 + x] != 0;
-    EXPECT_NEAR(sum, drawn ? 1 : 0, 1e-5);
-  }
-  EXPECT_ERROR(denoiser.kernels_at(frame, 40, 0), "no pixel (40, 0)");
 }
 
 }  // namespace

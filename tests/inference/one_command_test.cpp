@@ -146,5 +146,25 @@ TEST(OneCommand, ARenderAloneIsDenoisedByItsMeans) {
   EXPECT_EQ(named.output.find("'means'"), std::string::npos) << "whoever names weights gets them";
 }
 
+TEST(OneCommand, AFilmOfThePicturesOnRequest) {
+  const TemporaryFolder folder;
+  const std::string output = (folder / "denoised.exr").string(),
+                    input = (kImportFixtures / "cycles/sample_00.exr").string();
+  const auto run = [&](const std::string& film) {
+    RunningProgram program("ld_denoise",
+                           {input, "--output", output, "--movie", (folder / film).string(), "--threads", "1"},
+                           {{"PATH", "/nowhere"}});
+    const int code = program.wait();
+    return ProgramResult{code, program.output()};
+  };
+  expect_failure(run("film.avi"), 2, {"--movie", "film.avi", "expected .mp4 or .webm"});
+  EXPECT_FALSE(std::filesystem::exists(output));
+  const ProgramResult result = run("film.webm");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("no program ffmpeg"), std::string::npos) << result.output;
+  const std::filesystem::path picture = folder / "film/000000.png";
+  EXPECT_EQ(read_file(picture), png_bytes(picture, read_image(output)));
+}
+
 }  // namespace
 }  // namespace ld

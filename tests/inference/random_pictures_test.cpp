@@ -191,7 +191,7 @@ TEST(RandomPictures, AreReadKeptAndPlacedWhateverTheirLayout) {
   const TemporaryFolder folder;
   NetworkConfig config = small_config();
   config.features = {"radiance"};
-  save_model(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
+  save_network(folder / "model.safetensors", *small_network(config, torch::kFloat32), "{}", DType::f32);
   int kept = 0;
   for (uint32_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE(seed);

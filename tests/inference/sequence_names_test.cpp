@@ -21,7 +21,7 @@ class FrameSequence : public ::testing::Test {
                                 std::optional<FrameRange> range = {}, bool samples_of_one = false) const {
     std::vector<std::string> paths;
     for (const std::string& input : inputs) paths.push_back(in(input));
-    return plan_sequence(paths, in(output), range, samples_of_one);
+    return plan_tasks(paths, in(output), range, samples_of_one);
   }
 
   TemporaryFolder folder_;

@@ -14,6 +14,7 @@
 #include "metrics/smape.h"
 #include "metrics/ssim.h"
 #include "plain_metrics.h"
+#include "tests/support/expect_error.h"
 
 namespace ld {
 namespace {
@@ -26,15 +27,6 @@ Image pixel(float red, float green, float blue) {
   Image image(1, 1, 3);
   image.pixels = {red, green, blue};
   return image;
-}
-
-std::string error_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(MetricsDomain, ExtremeRadianceGivesFiniteNumbersThatAreRight) {
@@ -98,7 +90,7 @@ TEST(MetricsDomain, ABadReferenceIsAnErrorWithTheCount) {
   reference.pixels[4] = kNan;
   reference.pixels[5] = kInfinity;
   for (const Metric& metric : metrics()) {
-    const std::string message = error_of([&] { metric.compute(denoised, reference); });
+    const std::string message = error_text([&] { metric.compute(denoised, reference); });
     EXPECT_NE(message.find("reference picture holds 2 NaN"), std::string::npos)
         << metric.name << ": " << message;
   }
@@ -110,23 +102,23 @@ TEST(MetricsDomain, PicturesThatCannotBeComparedAreErrorsThatNameWhatWasFound) {
   short_of_pixels.pixels.resize(7);
   for (const Metric& metric : metrics()) {
     SCOPED_TRACE(metric.name);
-    EXPECT_NE(error_of([&] { metric.compute(turned, good); }).find("3x4, its reference 4x3"),
+    EXPECT_NE(error_text([&] { metric.compute(turned, good); }).find("3x4, its reference 4x3"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { metric.compute(grey, good); }).find("denoised picture has 1 channels"),
+    EXPECT_NE(error_text([&] { metric.compute(grey, good); }).find("denoised picture has 1 channels"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { metric.compute(good, grey); }).find("reference picture has 1 channels"),
+    EXPECT_NE(error_text([&] { metric.compute(good, grey); }).find("reference picture has 1 channels"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { metric.compute(empty, empty); }).find("denoised picture"), std::string::npos);
-    EXPECT_NE(error_of([&] { metric.compute(Image(0, 3, 3), good); }).find("at least one pixel"),
+    EXPECT_NE(error_text([&] { metric.compute(empty, empty); }).find("denoised picture"), std::string::npos);
+    EXPECT_NE(error_text([&] { metric.compute(Image(0, 3, 3), good); }).find("at least one pixel"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { metric.compute(short_of_pixels, good); }).find("holds 7 values"),
+    EXPECT_NE(error_text([&] { metric.compute(short_of_pixels, good); }).find("holds 7 values"),
               std::string::npos);
   }
 }
 
 TEST(MetricsDomain, AnUnknownNameGetsTheNearestAndTheList) {
   EXPECT_EQ(find_metric("ssim").title, "SSIM");
-  const std::string message = error_of([] { find_metric("relmes"); });
+  const std::string message = error_text([] { find_metric("relmes"); });
   EXPECT_NE(message.find("did you mean 'relmse'?"), std::string::npos) << message;
   EXPECT_NE(message.find("relmse, smape, ssim, psnr"), std::string::npos) << message;
 }

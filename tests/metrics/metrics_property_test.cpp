@@ -43,7 +43,7 @@ TEST(MetricsProperty, EqualPicturesGetTheBestScore) {
     const Image image = plain::random_image(width, height, 10);
     for (const Metric& metric : metrics()) {
       const double score = metric.compute(image, image);
-      if (metric.lower_is_better) {
+      if (metric.best == Best::lowest) {
         EXPECT_EQ(score, 0) << metric.name;
       } else {
         EXPECT_EQ(score, metric.name == "ssim" ? 1 : std::numeric_limits<double>::infinity()) << metric.name;

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <set>
 
+#include "graph/extent.h"
 #include "losses/loss.h"
+#include "models/graphs/network_graph.h"
 #include "models/network.h"
 #include "training/run/config_file.h"
 
@@ -22,7 +24,7 @@ std::map<std::string, TrainConfig> all_configs() {
 }
 
 int64_t numbers_of(const NetworkConfig& config) {
-  return parameter_count(*make_network_shapes(config));
+  return graph::parameter_count(network_graph(config));
 }
 
 TEST(Configs, EveryFileIsATraining) {

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "graph/extent.h"
+#include "models/graphs/network_graph.h"
 #include "tests/models/small_network.h"
 
 namespace ld {
@@ -86,6 +88,8 @@ TEST(Network, SizesThatDoNotFitAreUsageErrors) {
   config.features.push_back("normal");
   expect_usage_error(config, "'normal' twice");
   config = small_config();
+  config.features.back() = "id";
+  expect_usage_error(config, "the feature 'id' is for filters");
   config.features.clear();
   expect_usage_error(config, "network.features is empty");
   config = small_config();
@@ -139,25 +143,23 @@ TEST(Network, SizesThatDoNotFitAreUsageErrors) {
   expect_usage_error(config, "network.unet.upsampling 'cubic'");
 }
 
-TEST(Network, ShapesAreThoseOfTheNetworkAndTakeNoMemory) {
+TEST(Network, ParametersAreThoseOfItsGraph) {
   for (const NetworkConfig& config : every_config()) {
-    const auto network = make_network(config), shapes = make_network_shapes(config);
-    const auto made = network->named_parameters(), shaped = shapes->named_parameters();
-    ASSERT_EQ(shaped.keys(), made.keys()) << title(config);
+    const graph::Graph graph = network_graph(config);
+    const auto made = make_network(config)->named_parameters();
     int64_t count = 0;
-    for (const auto& entry : made) {
-      EXPECT_EQ(shaped[entry.key()].sizes(), entry.value().sizes()) << title(config) << " " << entry.key();
-      EXPECT_TRUE(shaped[entry.key()].is_meta()) << title(config) << " " << entry.key();
-      EXPECT_TRUE(entry.value().is_cpu()) << title(config) << " " << entry.key();
-      count += entry.value().numel();
+    for (const graph::Parameter& parameter : graph::parameters(graph)) {
+      ASSERT_NE(made.find(parameter.name), nullptr) << title(config) << " " << parameter.name;
+      EXPECT_EQ(made[parameter.name].sizes(), parameter.shape) << title(config) << " " << parameter.name;
+      count += made[parameter.name].numel();
     }
-    EXPECT_EQ(parameter_count(*network), count) << title(config);
-    EXPECT_EQ(parameter_count(*shapes), count) << title(config);
+    EXPECT_EQ(made.size(), graph::parameters(graph).size()) << title(config);
+    EXPECT_EQ(graph::parameter_count(graph), count) << title(config);
   }
   NetworkConfig absurd;  // more than 1 TB
   absurd.unet.encoder.assign(10, std::vector<int64_t>(100, 4096));
   absurd.unet.decoder = absurd.unet.encoder;
-  EXPECT_GT(parameter_count(*make_network_shapes(absurd)), int64_t(1) << 38);
+  EXPECT_GT(graph::parameter_count(network_graph(absurd)), int64_t(1) << 38);
 }
 
 TEST(Network, AnAbsurdNumberOfWidthsIsNamed) {

@@ -1,26 +1,13 @@
-// A network small enough for scalar loops and finite differences, and random input for any configuration.
+// Small networks of every kind (small_config.h), and random input for any configuration.
 #pragma once
 
 #include "core/error.h"
 #include "frame/schema.h"
 #include "models/initialise.h"
+#include "tests/models/small_config.h"
 #include "tests/support/tensors.h"
 
 namespace ld {
-
-inline NetworkConfig small_config() {
-  NetworkConfig config;
-  config.features = {"radiance", "normal", "depth"};
-  config.kernel_size = 3;
-  config.sample_reducer = {6, 5};
-  config.sample_partitioner = {6};
-  config.kernel_generator = {8};
-  config.unet.encoder = {{4, 5}, {6}};
-  config.unet.bottleneck = {7};
-  config.unet.decoder = {{6}, {5, 4}};
-  config.unet.context = 3;
-  return config;
-}
 
 /// small_config() of every registered network, also of the one that is added tomorrow: as [MH20] has it, with
 /// demodulation, rejection and bounded kernels, and with weighted compositing of those that have layers.

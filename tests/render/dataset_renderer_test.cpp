@@ -78,12 +78,12 @@ TEST(Recipe, NamesWhatIsWrong) {
 
 TEST(Recipe, FrameRanges) {
   using Range = std::pair<int64_t, int64_t>;
-  EXPECT_EQ(parse_frame_range("", 9), Range(0, 9));
-  EXPECT_EQ(parse_frame_range("2:5", 9), Range(2, 5));
-  EXPECT_EQ(parse_frame_range("2:", 9), Range(2, 9));
-  EXPECT_EQ(parse_frame_range(":3", 9), Range(0, 3));
+  EXPECT_EQ(frames_of_recipe("", 9), Range(0, 9));
+  EXPECT_EQ(frames_of_recipe("2:5", 9), Range(2, 5));
+  EXPECT_EQ(frames_of_recipe("2:", 9), Range(2, 9));
+  EXPECT_EQ(frames_of_recipe(":3", 9), Range(0, 3));
   for (const char* wrong : {"3", "a:b", "5:5", "0:10", "-1:3", "1:2x"})
-    EXPECT_ERROR(parse_frame_range(wrong, 9), "--frames");
+    EXPECT_ERROR(frames_of_recipe(wrong, 9), "--frames");
 }
 
 TEST(Recipe, ShippedRecipesAreValid) {

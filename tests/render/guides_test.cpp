@@ -41,7 +41,7 @@ Scene ball_and_wall() {
   return scene;
 }
 
-std::array<float, kSampleChannels> sample_at(const Scene& scene, const CameraSample& where) {
+std::array<float, kAllChannels> sample_at(const Scene& scene, const CameraSample& where) {
   const PreparedScene prepared(scene);
   SampleNumbers numbers(RandomStream(1, RandomPurpose::test));
   return trace_sample(prepared, where, numbers, {});

@@ -191,7 +191,7 @@ TEST(SequenceDataset, FilesAndManifestOfSequences) {
             read_file(reference_path(whole, "frame_000005_n1")));
   EXPECT_NE(read_file(frame_path(whole, "frame_000005")), read_file(frame_path(whole, "frame_000005_n1")));
   const FrameHeader header = read_frame_header(frame_path(whole, "frame_000005"));
-  EXPECT_EQ(header.features, feature_names()) << "with flow";
+  EXPECT_EQ(header.features, auto_feature_names()) << "with flow";
   EXPECT_EQ(header.info.frame, 5);
   const FrameHeader half = read_frame_header(half_path(whole, "frame_000005_n1"));
   EXPECT_EQ(half.width, 9);

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/random.h"
 #include "ops/kernels/instruction_sets.h"
+#include "ops/kernels/quantised_convolution.h"
 #include "ops/kernels/winograd.h"
 #include "runtime/row_window.h"
+#include "tests/support/expect_error.h"
 
 namespace ld {
 namespace {
@@ -112,6 +116,26 @@ TEST(Convolution, IsThePlainSumAtEverySizeOnEveryInstructionSet) {
   use_instruction_set("");
 }
 
+/// All rows by tiles of 2x2 results.
+template <class Weights, class Scratch>
+Picture by_tiles(const Case& given, const Weights& weights, bool activated) {
+  const int64_t width = given.first.window.width, height = given.first.window.height;
+  Scratch scratch(weights);
+  Picture result(weights.outputs, width, height, 3);
+  for (int64_t y = 0; y < height; y += 2)
+    for (int64_t x = 0; x < padded(width); x += kWinogradPixels)
+      convolve(TileRows<Weights>{&weights,
+                                 given.sources<WinogradSource>(y - 1),
+                                 {result.window.row(y), y + 1 < height ? result.window.row(y + 1) : nullptr},
+                                 result.window.pitch,
+                                 x,
+                                 std::min(x + kWinogradPixels, padded(width)),
+                                 width,
+                                 activated},
+               scratch);
+  return result;
+}
+
 TEST(Convolution, ByTilesIsThePlainSumToo) {
   for (const std::string& set : instruction_sets()) {
     use_instruction_set(set);
@@ -120,22 +144,101 @@ TEST(Convolution, ByTilesIsThePlainSumToo) {
         for (const int64_t height : {1, 2, 5}) {
           const Case given(width, height, outputs);
           const WinogradWeights weights(given.weights.data(), given.biases.data(), outputs, 5);
-          WinogradScratch scratch(weights);
-          Picture result(outputs, width, height, 3);
-          for (int64_t y = 0; y < height; y += 2)
-            for (int64_t x = 0; x < padded(width); x += kWinogradPixels)
-              convolve(
-                  WinogradRows{&weights,
-                               given.sources<WinogradSource>(y - 1),
-                               {result.window.row(y), y + 1 < height ? result.window.row(y + 1) : nullptr},
-                               result.window.pitch,
-                               x,
-                               std::min(x + kWinogradPixels, padded(width)),
-                               width,
-                               true},
-                  scratch);
-          given.expect(result, 4e-6, set);
+          given.expect(by_tiles<WinogradWeights, WinogradScratch>(given, weights, true), 4e-6, set);
         }
+  }
+  use_instruction_set("");
+}
+
+/// Weights of 8 bits, as far as they go, and pictures whose values are whole levels.
+struct LevelsCase : Case {
+  std::vector<int8_t> levels;
+  std::vector<float> ones, none;
+
+  /// Every weight is `weight` and every value `value` levels; random ones where that is null.
+  LevelsCase(int64_t width, int64_t height, int64_t outputs, const int* weight = nullptr,
+             const float* value = nullptr)
+      : Case(width, height, outputs), ones(size_t(outputs), 1.0F), none(size_t(outputs), 0.0F) {
+    for (float& w : weights) {
+      levels.push_back(int8_t(weight != nullptr ? *weight : int(std::lround(w * 127))));
+      w = levels.back();
+    }
+    biases = none;
+    for (Picture* picture : {&first, &second})
+      for (int64_t y = 0; y < height; ++y)
+        for (int64_t c = 0; c < picture->window.planes; ++c)
+          for (int64_t x = 0; x < width; ++x) {
+            float& pixel = picture->window.row(y, c)[x];
+            pixel = value != nullptr ? *value : std::round(pixel * float(most()));
+          }
+  }
+  QuantisedWeights quantised() const {
+    return {levels.data(), ones.data(), none.data(), int64_t(ones.size()), 5};
+  }
+  int most() const { return activation_levels(quantised()); }
+  /// A level is 1.
+  Picture result() const {
+    return by_tiles<PackedQuantisedWeights, QuantisedScratch>(
+        *this, PackedQuantisedWeights(quantised(), float(most())), false);
+  }
+  void expect_plain(const std::string& where) const {
+    const Picture made = result();
+    const RowWindow& window = made.window;
+    for (int64_t y = 0; y < window.height; ++y)
+      for (int64_t o = 0; o < window.planes; ++o) {
+        for (int64_t x = 0; x < window.width; ++x)
+          ASSERT_EQ(window.row(y, o)[x], float(plain({&first, &second}, weights, 5, o, y, x, 0)))
+              << where << ", width " << window.width << ", output " << o << ", pixel " << x << ", " << y;
+        for (int64_t x = window.width; x < padded(window.width); ++x) EXPECT_EQ(window.row(y, o)[x], 0.0F);
+      }
+  }
+};
+
+TEST(QuantisedConvolution, IsThePlainSumOfWholeNumbersOnEveryInstructionSet) {
+  for (const std::string& set : instruction_sets()) {
+    use_instruction_set(set);
+    for (const int64_t width : {1, 2, 15, 16, 31, 50, 96, 97, 200})
+      for (const int64_t outputs : {1, 3, 13})
+        for (const int64_t height : {1, 2, 5}) LevelsCase(width, height, outputs).expect_plain(set);
+  }
+  use_instruction_set("");
+}
+
+TEST(QuantisedConvolution, TheLargestWeightsAndActivationsDoNotWrap) {
+  for (const std::string& set : instruction_sets()) {
+    use_instruction_set(set);
+    for (const int weight : {-128, 127, 0})
+      for (const float sign : {-1.0F, 1.0F, 0.0F}) {
+        const float value = sign * kMostLevel;
+        LevelsCase(33, 4, 3, &weight, &value).expect_plain(set);
+      }
+  }
+  use_instruction_set("");
+  std::vector<int8_t> many(size_t(1024 * 9), -128);
+  const float one = 1, none = 0;
+  const QuantisedWeights wide = {many.data(), &one, &none, 1, 1024};
+  EXPECT_EQ(activation_levels(wide), ((int64_t{1} << 31) - 1) / (4 * 1024 * 9 * 128));
+  many.resize(size_t{1} << 23, 127);
+  EXPECT_ERROR(activation_levels({many.data(), &one, &none, 1, int64_t(many.size()) / 9}), "leave 32 bits");
+}
+
+TEST(QuantisedConvolution, WhatIsBeyondTheRangeCountsAsTheRange) {
+  const int weight = 1;
+  for (const std::string& set : instruction_sets()) {
+    use_instruction_set(set);
+    for (const float beyond : {1e5F, 3e38F, HUGE_VALF, -3e38F, -HUGE_VALF}) {
+      const float range = std::copysign(float(kMostLevel), beyond);
+      const Picture cut = LevelsCase(20, 3, 2, &weight, &beyond).result(),
+                    largest = LevelsCase(20, 3, 2, &weight, &range).result();
+      EXPECT_TRUE(std::equal(cut.memory.get(), cut.memory.get() + cut.window.floats(), largest.memory.get()))
+          << set << ", " << beyond;
+    }
+    const float nan = std::nanf(""), small = 1e-40F;
+    for (const float* value : {&nan, &small}) {
+      const Picture made = LevelsCase(20, 3, 2, &weight, value).result();
+      for (int64_t x = 0; x < 20; ++x)
+        EXPECT_LE(std::abs(made.window.row(1)[x]), 45.0F * kMostLevel) << set << ", " << *value;
+    }
   }
   use_instruction_set("");
 }

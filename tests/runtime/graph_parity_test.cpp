@@ -5,35 +5,11 @@
 #include "models/exposure.h"
 #include "ops/kernels/instruction_sets.h"
 #include "runtime/frame_exposure.h"
-#include "tests/models/small_network.h"
+#include "tests/runtime/graph_cases.h"
 #include "tests/runtime/run_graph.h"
-#include "tests/support/random_frame.h"
 
 namespace ld {
 namespace {
-
-/// A frame of which some samples are missing, the first pixel and a ninth of the picture have none, and the
-/// light spans ten octaves.
-Frame uneven_frame(int width, int height, int spp) {
-  Frame frame = random_frame(width, height, spp, 7);
-  RandomStream random(8, RandomPurpose::test);
-  for (int s = 0; s < spp; ++s)
-    for (size_t p = 0; p < frame.plane_size(); ++p) {
-      const float light = std::exp2(10 * random.uniform(0.0F, 1.0F) - 5);
-      for (int c = 0; c < 3; ++c) frame.plane(s, c)[p] *= light;
-      for (const char* name : {"albedo", "specular"})
-        for (int c = 0; c < 3; ++c) {
-          float& value = frame.plane(s, find_feature(name).offset + c)[p];
-          value = std::max(value, 0.0F);
-        }
-      const int x = int(p) % width, y = int(p) / width;
-      const bool hole = x > width / 3 && x <= 2 * width / 3 && y > height / 3 && y <= 2 * height / 3;
-      if (p != 0 && !hole && random.uniform(0.0F, 1.0F) > 0.2F) continue;
-      frame.valid_plane(s)[p] = 0;
-      for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[p] = 0;
-    }
-  return frame;
-}
 
 void scale_light(Frame& frame, float factor) {
   for (int s = 0; s < frame.spp; ++s)
@@ -52,47 +28,6 @@ float largest_difference(const Image& a, const Image& b) {
   return most;
 }
 
-/// What a failing test calls one of the configurations.
-std::string full_title(const NetworkConfig& config) {
-  return title(config) + ", " + config.unet.upsampling + ", " + std::to_string(config.levels) + " levels" +
-         (config.means ? ", of means" : "") + (config.exposure_normalisation ? ", exposed" : "");
-}
-
-/// Of every network: as small_network.h has them, some with nearest upsampling, with other layers and levels,
-/// of means, and all of them exposed.
-std::vector<NetworkConfig> graph_configs() {
-  std::vector<NetworkConfig> configs = every_config();
-  for (NetworkConfig config : std::vector<NetworkConfig>(configs))
-    if (has_layers(config)) {
-      config.unet.upsampling = "nearest";
-      config.layers = 3;
-      configs.push_back(config);
-    }
-  for (NetworkConfig config : std::vector<NetworkConfig>(configs))
-    if (network_traits(config.name).has_levels)
-      for (const int64_t levels : {1, 2}) {
-        config.levels = levels;
-        configs.push_back(config);
-      }
-  for (NetworkConfig config : every_config())
-    if (network_traits(config.name).has_levels) {
-      config.unet.encoder = {{4, 5}, {6}, {5}, {4}};
-      config.unet.decoder = {{4}, {5}, {6}, {5, 4}};
-      config.levels = 5;
-      configs.push_back(config);
-    }
-  for (NetworkConfig config : std::vector<NetworkConfig>(configs))
-    if (works_on_pixels(config)) {
-      config.means = true;
-      configs.push_back(config);
-    }
-  for (NetworkConfig config : std::vector<NetworkConfig>(configs)) {
-    config.exposure_normalisation = true;
-    configs.push_back(config);
-  }
-  return configs;
-}
-
 TEST(GraphParity, TheGraphGivesThePictureOfTheNetwork) {
   for (const NetworkConfig& config : graph_configs())
     for (const auto& [width, height, spp] :
@@ -106,6 +41,22 @@ TEST(GraphParity, TheGraphGivesThePictureOfTheNetwork) {
       EXPECT_LE(largest_difference(found, expected), 1e-5F * largest)
           << full_title(config) << ", " << width << " x " << height << " at " << spp;
     }
+}
+
+// Sums over 1024 channels; wide enough for tiles (runtime/steps_unet.cpp) where the U-net has these.
+TEST(GraphParity, AtThePublishedWidths) {
+  const Frame frame = uneven_frame(400, 24, 2);
+  for (const std::string& name : network_names()) {
+    NetworkConfig config;
+    config.name = name;
+    const auto network = small_network(config, torch::kFloat32);
+    const Image expected = in_torch(*network, frame);
+    const float largest = *std::max_element(expected.pixels.begin(), expected.pixels.end());
+    const float difference =
+        largest_difference(in_runtime(config, weights_of(*network), frame, {2}), expected);
+    RecordProperty(name, std::to_string(difference / largest));
+    EXPECT_LE(difference, 1e-5F * largest) << full_title(config);
+  }
 }
 
 TEST(GraphParity, WhateverTheUnitsOfTheLight) {

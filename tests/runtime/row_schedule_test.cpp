@@ -60,10 +60,11 @@ TEST(Units, WhatPixelwiseNodesLeaveToOneAnotherIsNoRow) {
   NetworkConfig config;
   config.demodulation = "albedo";
   config.rejection = true;
-  EXPECT_EQ(names_in_tiles(layer_graph(config)),
-            (std::set<std::string>{"features", "radiance", "sample_partitioner", "log_n", "opacity"}));
+  EXPECT_EQ(names_in_tiles(network_graph(config)),
+            (std::set<std::string>{"features", "radiance", "sample_partitioner", "log_n", "opacity",
+                                   "composited"}));
   config.name = "pixel_splat";
-  EXPECT_EQ(names_in_tiles(pixel_graph(config)),
+  EXPECT_EQ(names_in_tiles(network_graph(config)),
             (std::set<std::string>{"features", "radiance", "valid", "demodulated", "statistics", "drawn"}));
 }
 
@@ -111,7 +112,7 @@ TEST(Reach, IsWhatTheOperatorsOfSeveralResolutionsRead) {
 
 TEST(RowSchedule, AValueThatNobodyReadsTwiceNeedsABlock) {
   NetworkConfig config;
-  const graph::Graph graph = layer_graph(config);
+  const graph::Graph graph = network_graph(config);
   const RowSchedule schedule(graph, {8, 1080, 1920}, 32);
   for (graph::ValueId id = 0; id < graph.values.size(); ++id)
     if (graph[id].name == "composited") {

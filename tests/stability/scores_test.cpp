@@ -61,7 +61,7 @@ TEST(Scores, AnEqualPictureHasTheBestScoreAtEveryExtreme) {
       const Image image = to_image(picture(number, 88));
       const double best = metric.compute(image, image);
       EXPECT_TRUE(metric.name == "ssim" ? std::abs(best - 1) < 1e-12
-                                        : best == (metric.lower_is_better ? 0 : INFINITY))
+                                        : best == (metric.best == Best::lowest ? 0 : INFINITY))
           << metric.name << " of " << number << ": " << best;
     }
 }

@@ -23,7 +23,7 @@ struct CropOfFrame {
 };
 
 inline CropOfFrame crop_of(const PackedFrame& packed, const Augmentation& a) {
-  CropOfFrame crop = {Frame(a.result_width(), a.result_height(), packed.spp),
+  CropOfFrame crop = {Frame(a.result_width(), a.result_height(), packed.spp, frame_channels(packed.features)),
                       {},
                       Image(a.result_width(), a.result_height(), 3)};
   const size_t pixels = crop.frame.plane_size(), samples = pixels * static_cast<size_t>(packed.spp);

@@ -250,12 +250,13 @@ TEST_F(TrainerTest, AveragedWeightsValidateAndAreSaved) {
   trainer.train();
   const torch::Tensor average = all_parameters(trainer.averaged_network());
   EXPECT_FALSE(average.equal(all_parameters(trainer.network())));
-  EXPECT_TRUE(average.equal(all_parameters(*load_model(folder_ / "run"))));
+  EXPECT_TRUE(average.equal(all_parameters(*load_network(folder_ / "run"))));
 }
 
 TEST(Estimate, SaysTimeMemoryAndDisk) {
   Plan plan;
-  plan.batch = {0.5, 1e-6, 700};
+  plan.batch = {0.5, 700};
+  plan.validation = {1e-6, 600};
   plan.accumulate = 2;
   plan.steps = 3600;
   plan.validation_pixels = 1000000;
@@ -265,6 +266,13 @@ TEST(Estimate, SaysTimeMemoryAndDisk) {
   plan.checkpoints = 4;
   plan.free_bytes = 100000000;
   EXPECT_EQ(time_text(plan), "estimate: 3600 steps of 1 s and 100 validations: 1h01m; memory 730 MB");
+  plan.validation.megabytes = 5000;
+  EXPECT_NE(time_text(plan).find("memory 5030 MB when validating"), std::string::npos) << time_text(plan);
+  EXPECT_TRUE(fits_in_memory(plan)) << "as far as is known";
+  plan.available_megabytes = 5029;
+  EXPECT_FALSE(fits_in_memory(plan));
+  plan.available_megabytes = 5030;
+  EXPECT_TRUE(fits_in_memory(plan));
   plan.max_minutes = 37;
   EXPECT_NE(time_text(plan).find("run.max_minutes=37 ends it after about 2160 steps"), std::string::npos)
       << time_text(plan);

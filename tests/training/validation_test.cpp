@@ -5,13 +5,16 @@
 
 #include <mutex>
 
+#include "core/process/process_memory.h"
 #include "metrics/metric.h"
 #include "models/initialise.h"
+#include "ops/memory_pool.h"
 #include "tests/support/ranks.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_dataset.h"
 #include "tests/support/tiny_sequences.h"
 #include "tests/training/tiny_training.h"
+#include "training/estimate.h"
 
 namespace ld {
 namespace {
@@ -123,6 +126,27 @@ TEST(Validation, PicturesOfNetworksDoNotKnowOfSequences) {
   }
   for (size_t m = 0; m < metrics().size(); ++m)
     EXPECT_NEAR(result->scores.at(metrics()[m].name), sums[m] / 4, 1e-12);
+}
+
+// The frame is larger than the piece of it that is measured.
+TEST(Validation, TheEstimateCountsWholeFrames) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 0, 640);
+  const TrainConfig config = tiny_config(folder.path(), 1);
+  const std::shared_ptr<Network> network = make_network(config.network);
+  initialise(*network, 1);
+  const Validation validation = validation_of({folder.path()}, 1, config.network.features);
+  EXPECT_EQ(validation.pixels_of_largest(), 640 * 640);
+  use_memory_pool();
+  const ValidationCost cost = measure_validation(*network, validation, never());
+  const double beside = static_cast<double>(resident_bytes() + validation.picture_bytes()) / 1e6;
+  const int64_t before = memory_pool_state().live;
+  ProcessGroup alone{ProcessGroupOptions{}};
+  validation.run(*network, make_loss("smape"), alone, never());
+  const double needed = static_cast<double>(memory_pool_state().peak_live - before) / 1e6;
+  EXPECT_GT(needed, 100);
+  EXPECT_NEAR(cost.megabytes - beside, needed, 0.1 * needed);
+  EXPECT_GT(cost.seconds_per_pixel, 0);
 }
 
 }  // namespace

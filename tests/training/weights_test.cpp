@@ -98,7 +98,7 @@ TEST_P(FineTuning, OntoFewerFeaturesIsTheirBeingZero) {
   const std::vector<std::string> all = {"radiance", "normal", "depth", "albedo"},
                                  some = {"albedo", "radiance"};
   const std::shared_ptr<Network> wide = random_network(tiny_network(GetParam(), all), 1);
-  save_model(folder / "wide.safetensors", *wide, "", DType::f32);
+  save_network(folder / "wide.safetensors", *wide, "", DType::f32);
   const std::shared_ptr<Network> narrow = random_network(tiny_network(GetParam(), some), 2);
   begin_with_weights(folder / "wide.safetensors", *narrow);
 
@@ -112,7 +112,7 @@ TEST_P(FineTuning, OntoFewerFeaturesIsTheirBeingZero) {
   EXPECT_FALSE(torch::allclose(narrow->forward(picked), wide->forward(whole), 1e-3, 1e-4));
 
   // And back: new features count for nothing yet.
-  save_model(folder / "narrow.safetensors", *narrow, "", DType::f32);
+  save_network(folder / "narrow.safetensors", *narrow, "", DType::f32);
   const std::shared_ptr<Network> widened = random_network(tiny_network(GetParam(), all), 3);
   begin_with_weights(folder / "narrow.safetensors", *widened);
   EXPECT_TRUE(torch::allclose(widened->forward(whole), narrow->forward(picked), 1e-5, 1e-6));
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Networks, FineTuning, ::testing::ValuesIn(network_names
 TEST(FineTuning, WhatDoesNotFitIsNamed) {
   const TemporaryFolder folder;
   const NetworkConfig config = tiny_network("layer", {"radiance"});
-  save_model(folder / "a.safetensors", *random_network(config, 1), "", DType::f32);
+  save_network(folder / "a.safetensors", *random_network(config, 1), "", DType::f32);
   NetworkConfig other = config;
   other.kernel_size = 5;
   EXPECT_ERROR(begin_with_weights(folder / "a.safetensors", *random_network(other, 1)),
@@ -147,7 +147,7 @@ TEST(FineTuning, ARunBeginsWithTheWeightsAndContinuesWithoutThem) {
   config.init = (folder / "first").string();
   {
     Trainer second(config, folder / "second");
-    EXPECT_TRUE(all_parameters(second.network()).equal(all_parameters(*load_model(folder / "first"))));
+    EXPECT_TRUE(all_parameters(second.network()).equal(all_parameters(*load_network(folder / "first"))));
     second.train();
   }
   std::filesystem::remove_all(folder / "first");

@@ -1,10 +1,10 @@
 // Damaged weight files all the way into a network: loaded, or one clear line, without the memory that a lying
 // header asks for.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/process/process_memory.h"
 #include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/sanitized.h"
@@ -19,32 +19,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int64_t peak_kilobytes() {
-  rusage usage = {};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss;
-}
-
 std::string good_file(const fs::path& path) {
   const auto config =
       config_from_tree<NetworkConfig>(*parse_config(tiny_network_yaml(), "tiny").find("network"));
   const std::shared_ptr<Network> network = make_network(config);
   initialise(*network, 1);
-  save_model(path, *network, R"({"steps": 40})", DType::f32);
+  save_network(path, *network, R"({"steps": 40})", DType::f32);
   return read_file(path);
 }
 
 TEST(ModelDamage, DamagedFilesAreLoadedOrGiveOneLine) {
   const TemporaryFolder folder;
   const std::string good = good_file(folder / "good.safetensors");
-  load_model(folder / "good.safetensors");
-  const int64_t before = peak_kilobytes();
+  load_network(folder / "good.safetensors");
+  const int64_t before = peak_resident_bytes();
   const fs::path path = folder / "fuzz.safetensors";
   int errors = 0;
   run_trials(900, [&](uint32_t number, RandomStream& random) {
     write_new_file(path, damaged_weights(good, number, random));
     try {
-      EXPECT_GT(load_model(path)->parameters().size(), 10u);
+      EXPECT_GT(load_network(path)->parameters().size(), 10u);
     } catch (const Error& error) {
       ++errors;
       expect_clear(error.what(), "fuzz.safetensors");
@@ -53,7 +47,7 @@ TEST(ModelDamage, DamagedFilesAreLoadedOrGiveOneLine) {
   EXPECT_GT(errors, 500);
   EXPECT_LT(errors, 900) << "some damages do no harm";
   if (!kAddressSanitizer) {
-    EXPECT_LT(peak_kilobytes() - before, 100 * 1024);
+    EXPECT_LT(peak_resident_bytes() - before, 100 << 20);
   }
 }
 
@@ -71,12 +65,12 @@ TEST(ModelDamage, AbsurdSizesAreRefusedBeforeTheyTakeMemory) {
   const TemporaryFolder folder;
   const std::string good = good_file(folder / "good.safetensors");
   const fs::path path = folder / "absurd.safetensors";
-  const int64_t before = peak_kilobytes();
+  const int64_t before = peak_resident_bytes();
   const auto refused = [&](const NetworkConfig& network) {
     write_with_network(path, good, network);
-    EXPECT_ERROR(load_model(path), "absurd.safetensors");
+    EXPECT_ERROR(load_network(path), "absurd.safetensors");
     if (!kAddressSanitizer) {
-      EXPECT_LT(peak_kilobytes() - before, 100 * 1024);
+      EXPECT_LT(peak_resident_bytes() - before, 100 << 20);
     }
   };
   std::vector<std::string> names = network_names();

@@ -57,7 +57,7 @@ void inspect_config(Report& report) {
     report.kind = "training config";
     const auto config = config_from_tree<TrainConfig>(root);
     NetworkConfig network = config.network;
-    if (network.auto_features()) network.features = feature_names();  // any of them may come out
+    if (network.auto_features()) network.features = auto_feature_names();  // any of them may come out
     check_network(network);
     report.facts["network"] = config.network.name;
     report.facts["features"] = config.network.features;

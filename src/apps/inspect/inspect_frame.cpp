@@ -78,6 +78,7 @@ void inspect_exr(Report& report) {
     if (std::find(header.features.begin(), header.features.end(), name) == header.features.end())
       missing.push_back(name);
   report.facts["missing_features"] = missing;
+  if (!header.layers.empty()) report.facts["layers"] = header.layers;
   if (!missing.empty())
     report.warnings.push_back(
         "features are missing; only models that do without them can denoise this frame");

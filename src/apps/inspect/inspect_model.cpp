@@ -13,10 +13,6 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-int64_t elements(const TensorView& tensor) {
-  return static_cast<int64_t>(tensor.bytes / dtype_bytes(tensor.type));
-}
-
 /// NaNs and infinities; files from elsewhere need not be aligned, hence the copies.
 template <class Number, class IsFinite>
 int64_t count_not_finite(const TensorView& tensor, IsFinite is_finite) {
@@ -38,6 +34,7 @@ int64_t not_finite(const TensorView& tensor) {
     case DType::f64:
       return count_not_finite<double>(tensor, [](double value) { return std::isfinite(value); });
     case DType::i64:
+    case DType::i8:
     case DType::u8:
       return 0;
   }
@@ -54,6 +51,8 @@ const char* type_name(DType type) {
       return "float64";
     case DType::i64:
       return "int64";
+    case DType::i8:
+      return "int8";
     case DType::u8:
       return "uint8";
   }
@@ -64,11 +63,11 @@ void add_tensors(Report& report, nlohmann::ordered_json& facts, const Safetensor
   int64_t count = 0;
   std::set<std::string> types;
   for (const TensorView& tensor : file.tensors()) {
-    count += elements(tensor);
+    count += tensor.numbers();
     types.insert(type_name(tensor.type));
     if (const int64_t bad = not_finite(tensor); bad > 0)
       report.problems.push_back(fmt::format("{}: tensor \"{}\": {} of {} numbers are NaN or infinite",
-                                            file.path().string(), tensor.name, bad, elements(tensor)));
+                                            file.path().string(), tensor.name, bad, tensor.numbers()));
   }
   facts["tensors"] = file.tensors().size();
   facts["parameters"] = count;

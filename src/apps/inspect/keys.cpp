@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/text_table.h"
+#include "filters/settings.h"
 #include "frame/schema.h"
 #include "import/mapping.h"
 #include "import/view_camera.h"
@@ -18,7 +19,7 @@ namespace {
 std::string names_of(const std::string& key) {
   if (key == "network.name") return fmt::format("{}", fmt::join(network_names(), ", "));
   if (key == "network.features" || key == "network.optional")
-    return fmt::format("{}", fmt::join(feature_names(), ", "));
+    return fmt::format("{}", fmt::join(auto_feature_names(), ", "));
   return "";
 }
 
@@ -32,7 +33,7 @@ std::vector<ConfigKey> train_keys() {
 }  // namespace
 
 std::vector<std::string> key_kinds() {
-  return {"train", "recipe", "mapping", "camera"};
+  return {"train", "recipe", "mapping", "camera", "eaw", "svgf"};
 }
 
 std::vector<ConfigKey> keys_of(const std::string& kind) {
@@ -40,6 +41,8 @@ std::vector<ConfigKey> keys_of(const std::string& kind) {
   if (kind == "recipe") return config_keys<Recipe>();
   if (kind == "mapping") return config_keys<ImportMapping>();
   if (kind == "camera") return camera_keys();
+  if (kind == "eaw") return config_keys<EawSettings>();
+  if (kind == "svgf") return config_keys<SvgfSettings>();
   fail_usage("there are no keys of '{}'; choose from {}", kind, fmt::join(key_kinds(), ", "));
 }
 

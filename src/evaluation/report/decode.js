@@ -23,12 +23,24 @@ async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+function unpack(text) {
+  const packed = atob(text), bytes = new Uint8Array(packed.length);
+  for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
+  return inflate(bytes);
+}
+
+/** What a screen shows, 8 bits, [3, height, width]; differences in each row. */
+async function decodeShown(text, width, height) {
+  const shown = await unpack(text), count = 3 * width * height;
+  if (shown.length !== count) throw new Error(`a picture of ${shown.length} bytes; expected ${count}`);
+  for (let start = 0; start < count; start += width)
+    for (let i = start + 1; i < start + width; ++i) shown[i] += shown[i - 1];
+  return shown;
+}
+
 /** The bits of the half floats, [3, height, width]. */
 async function decodePicture(text, width, height) {
-  const packed = atob(text);
-  const bytes = new Uint8Array(packed.length);
-  for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
-  const split = await inflate(bytes);
+  const split = await unpack(text);
   const count = 3 * width * height;
   if (split.length !== 2 * count) throw new Error(`a picture of ${split.length} bytes; expected ${2 * count}`);
   const halfs = new Uint16Array(count);

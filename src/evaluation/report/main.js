@@ -132,7 +132,7 @@ function installSettings() {
     byId(id).addEventListener("change", change);
   };
   const titles = metricNames.map((metric) => scores.metrics[metric].title);
-  options("baseline", methodNames.map((_, i) => i), methodNames, fillPairs);
+  options("baseline", methodNames.map((_, i) => i), methodNames, showPairs);
   options("cost-metric", metricNames, titles, drawCost);
   options("frame-metric", metricNames, titles, fillFrames);
   byId("baseline").value = methodNames.indexOf(scores.comparison.baseline);
@@ -140,17 +140,24 @@ function installSettings() {
   document.addEventListener("keyup", onKey);  // or the space bar would also press the tab that has the focus
 }
 
+function showPairs() {
+  const baseline = Number(byId("baseline").value);
+  fillPairs(scores, report.comparisons[baseline], "pair-table", "pair-note");
+  if (report.sequences) fillPairs(report.sequences.evaluation, report.sequences.comparisons[baseline], "sequence-pair-table", "sequence-pair-note");
+}
+
 function start() {
-  byId("subject").textContent = `${scores.data} · split ${scores.split} · ${scores.frame_count} frames · ${methodNames.length} methods`;
+  byId("subject").textContent = `${scores.data} · split ${scores.split} · ${scores.frame_count} frames · ${report.sequences ? `${report.sequences.evaluation.frame_count} sequences · ` : ""}${methodNames.length} methods`;
   document.title = `Denoisers compared: ${scores.data}`;
   byId("made-by").textContent = `Made by ld_eval ${report.version}. One file, nothing is loaded from elsewhere.`;
   installSettings();
-  fillScores();
-  fillPairs();
+  fillScores(scores, "score-table", "score-note");
+  showPairs();
   fillCost();
   drawCost();
   fillFrames();
   fillFormulas();
+  installSequences();
   makeTabs("frame-tabs", report.pictures.map((picture) => picture.frame), selectFrame);
   makeTabs("method-tabs", labels, selectMethod, (i) => (i === referenceIndex ? "0" : i < 9 ? String(i + 1) : ""));
   if (report.pictures.length === 0) {

@@ -4,8 +4,12 @@
 const methodNames = report.order;
 const scoreOf = (name) => scores.methods[name];
 const heading = (text, attributes = {}) => make("th", { scope: "col", text, ...attributes });
-const isBetter = (metric, a, b) => (scores.metrics[metric].better === "lower" ? a < b : a > b);
-const metricTitle = (metric) => `${scores.metrics[metric].title} ${scores.metrics[metric].better === "lower" ? "↓" : "↑"}`;
+
+/** What is better of a metric: `kind` is its entry in `metrics` of an evaluation. */
+const betterThan = { lower: (a, b) => a < b, higher: (a, b) => a > b, "nearer to 1": (a, b) => Math.abs(a - 1) < Math.abs(b - 1) };
+const isBetter = (kind, a, b) => betterThan[kind.better](a, b);
+const arrows = { lower: "↓", higher: "↑", "nearer to 1": "→ 1" };
+const metricTitle = (kind) => `${kind.title} ${arrows[kind.better]}`;
 
 function fillTable(id, headings, rows) {
   byId(id).replaceChildren(make("thead", {}, [make("tr", {}, headings)]), make("tbody", {}, rows));
@@ -14,13 +18,13 @@ function fillTable(id, headings, rows) {
 const methodCell = (name) => make("th", { scope: "row", title: name }, [swatch(methodNames.indexOf(name)), name]);
 
 /** The best of the numbers that exist; null when there is none. */
-function bestOf(metric, values) {
-  return values.reduce((best, value) => (value !== null && (best === null || isBetter(metric, value, best)) ? value : best), null);
+function bestOf(kind, values) {
+  return values.reduce((best, value) => (value !== null && (best === null || isBetter(kind, value, best)) ? value : best), null);
 }
 
 /** A score with what stands below it, bold where it is the best of its column. */
-function scoreCell(metric, value, best, below) {
-  const text = formatScore(value, scores.metrics[metric].digits), isBest = value !== null && value === best;
+function scoreCell(kind, value, best, below) {
+  const text = formatScore(value, kind.digits), isBest = value !== null && value === best;
   const cell = make("td", isBest ? { class: "best" } : {}, [isBest ? make("b", { text }) : text]);
   if (below) cell.append(make("small", { text: below }));
   return cell;
@@ -28,49 +32,52 @@ function scoreCell(metric, value, best, below) {
 
 const secondsText = (method) => (method.seconds === undefined ? "–" : method.seconds.toFixed(3));
 
-function fillScores() {
-  const best = Object.fromEntries(metricNames.map((m) => [m, bestOf(m, methodNames.map((name) => scoreOf(name).mean[m]))]));
+/** The means of an evaluation, of frames or of sequences, into the table and the note of these ids. */
+function fillScores(evaluation, table, note) {
+  const { metrics, methods, floor } = evaluation, names = Object.keys(metrics);
+  const best = Object.fromEntries(names.map((m) => [m, bestOf(metrics[m], methodNames.map((name) => methods[name].mean[m]))]));
   const rows = methodNames.map((name) => {
-    const method = scoreOf(name);
-    const cells = metricNames.map((m) => scoreCell(m, method.mean[m], best[m], method.interval[m] ? formatInterval(method.interval[m], scores.metrics[m].digits) : ""));
+    const method = methods[name];
+    const cells = names.map((m) => scoreCell(metrics[m], method.mean[m], best[m], method.interval[m] ? formatInterval(method.interval[m], metrics[m].digits) : ""));
     return make("tr", {}, [methodCell(name), ...cells, make("td", { text: secondsText(method) })]);
   });
-  if (scores.floor) {
-    const cells = metricNames.map((m) => scoreCell(m, scores.floor.mean[m], null, ""));
-    rows.push(make("tr", {}, [make("th", { scope: "row", text: scores.floor.name }), ...cells, make("td", { text: "–" })]));
+  if (floor) {
+    const cells = names.map((m) => scoreCell(metrics[m], floor.mean[m], null, ""));
+    rows.push(make("tr", {}, [make("th", { scope: "row", text: floor.name }), ...cells, make("td", { text: "–" })]));
   }
-  fillTable("score-table", [heading("method"), ...metricNames.map((m) => heading(metricTitle(m))), heading("s a frame")], rows);
-  const broken = methodNames.filter((name) => scoreOf(name).not_finite > 0);
-  const notes = [`Means over ${scores.frame_count} frames; below each the ${100 * scores.confidence} % confidence interval of the mean (Student's t). Bold: the best.`];
-  if (scores.methods.blur?.sigma)
-    notes.push(`blur is a Gaussian whose width is chosen for each metric: ${metricNames.map((m) => `${Number(scores.methods.blur.sigma[m]?.toPrecision(3))} px for ${scores.metrics[m].title}`).join(", ")}.`);
-  if (scores.floor) notes.push(`${scores.floor.name}: ${scores.floor.text}.`);
+  fillTable(table, [heading("method"), ...names.map((m) => heading(metricTitle(metrics[m]))), heading("s a frame")], rows);
+  const broken = methodNames.filter((name) => methods[name].not_finite > 0);
+  const notes = [`Means over ${evaluation.frame_count} ${evaluation.unit}s; below each the ${100 * evaluation.confidence} % confidence interval of the mean (Student's t). Bold: the best.`];
+  if (methods.blur?.sigma)
+    notes.push(`blur is a Gaussian whose width is chosen for each metric: ${names.map((m) => `${Number(methods.blur.sigma[m]?.toPrecision(3))} px for ${metrics[m].title}`).join(", ")}.`);
+  if (floor) notes.push(`${floor.name}: ${floor.text}.`);
   if (broken.length) notes.push(`No score, because values are NaN or infinite: ${broken.join(", ")}.`);
-  byId("score-note").textContent = notes.join(" ");
+  byId(note).textContent = notes.join(" ");
 }
 
-function fillPairs() {
-  const comparison = report.comparisons[Number(byId("baseline").value)];
+/** The same of each method against the baseline of `comparison`. */
+function fillPairs(evaluation, comparison, table, note) {
+  const { metrics, floor, unit } = evaluation, names = Object.keys(metrics);
   const others = methodNames.filter((name) => name !== comparison.baseline);
-  const rows = others.flatMap((name) => metricNames.map((metric, i) => {
-    const pair = comparison.methods[name][metric], { digits } = scores.metrics[metric];
+  const rows = others.flatMap((name) => names.map((metric, i) => {
+    const pair = comparison.methods[name][metric], { digits } = metrics[metric];
     const wins = pair.interval !== null && (pair.interval[0] > 0 || pair.interval[1] < 0);
-    const verdict = !wins ? "" : isBetter(metric, pair.mean_difference, 0) ? "good" : "bad";
+    const verdict = !wins || metrics[metric].better === "nearer to 1" ? "" : isBetter(metrics[metric], pair.mean_difference, 0) ? "good" : "bad";
     return make("tr", {}, [
       i === 0 ? methodCell(name) : make("td"),
-      make("td", { class: "text", text: scores.metrics[metric].title }),
+      make("td", { class: "text", text: metrics[metric].title }),
       make("td", { class: verdict, text: formatScore(pair.mean_difference, digits) }),
       make("td", { text: formatInterval(pair.interval, digits) }),
       make("td", { text: `${pair.better} : ${pair.worse}` }),
       make("td", { text: pair.p === null ? "–" : pair.p < 1e-4 ? pair.p.toExponential(1) : pair.p.toFixed(4) }),
     ]);
   }));
-  fillTable("pair-table", [heading("method"), heading("metric", { class: "text" }), heading("difference"), heading(`${100 * scores.confidence} % interval`), heading("frames better : worse"), heading("p")], rows);
-  byId("pair-note").textContent =
-    `Difference: method − ${comparison.baseline}, mean over ${comparison.frame_count} frames; green and red where the interval leaves out 0, for better and worse. ` +
+  fillTable(table, [heading("method"), heading("metric", { class: "text" }), heading("difference"), heading(`${100 * evaluation.confidence} % interval`), heading(`${unit}s better : worse`), heading("p")], rows);
+  byId(note).textContent =
+    `Difference: method − ${comparison.baseline}, mean over ${comparison.frame_count} ${unit}s; green and red where the interval leaves out 0, for better and worse. ` +
     "p: Wilcoxon's signed-rank test, two-sided, not corrected for the number of rows." +
-    (scores.floor ? ` ${scores.floor.name}: ${metricNames.map((m) => `${scores.metrics[m].title} ${formatScore(scores.floor.mean[m], scores.metrics[m].digits)}`).join(", ")}.` : "") +
-    (comparison.too_few_frames ? " These are too few frames: with fewer than 6 the test cannot come below 0.05." : "");
+    (floor ? ` ${floor.name}: ${names.map((m) => `${metrics[m].title} ${formatScore(floor.mean[m], metrics[m].digits)}`).join(", ")}.` : "") +
+    (comparison.too_few_frames ? ` These are too few ${unit}s: with fewer than 6 the test cannot come below 0.05.` : "");
 }
 
 function fillFrames() {
@@ -79,15 +86,15 @@ function fillFrames() {
   const rows = frames.map((name, f) => {
     const picture = report.pictures.findIndex((entry) => entry.index === f);
     const values = methodNames.map((method) => scoreOf(method).frames[f][metric]);
-    const best = bestOf(metric, values);
+    const kind = scores.metrics[metric], best = bestOf(kind, values);
     const title = make("th", { scope: "row", title: name });
     if (picture >= 0) {
       const open = make("button", { type: "button", text: name });
       open.addEventListener("click", () => { selectFrame(picture); byId("pictures").scrollIntoView(); });
       title.append(open);
     } else title.textContent = name;
-    const floor = scores.floor ? [scoreCell(metric, scores.floor.frames[f][metric], null, "")] : [];
-    return make("tr", { class: picture === state.picture ? "current" : "" }, [title, ...values.map((value) => scoreCell(metric, value, best, "")), ...floor]);
+    const floor = scores.floor ? [scoreCell(kind, scores.floor.frames[f][metric], null, "")] : [];
+    return make("tr", { class: picture === state.picture ? "current" : "" }, [title, ...values.map((value) => scoreCell(kind, value, best, "")), ...floor]);
   });
   fillTable("frame-table", [heading("frame"), ...methodNames.map((name) => heading(name)), ...(scores.floor ? [heading(scores.floor.name)] : [])], rows);
   byId("frame-note").textContent = report.pictures.length < frames.length
@@ -95,8 +102,7 @@ function fillFrames() {
 }
 
 function fillFormulas() {
-  byId("formula-list").replaceChildren(...metricNames.flatMap((metric) => {
-    const { title, formula, domain, better } = scores.metrics[metric];
-    return [make("dt", { text: title }), make("dd", {}, [make("code", { text: formula }), make("small", { text: `on ${domain}; ${better} is better` })])];
-  }));
+  const kinds = { ...scores.metrics, ...report.sequences?.evaluation.metrics };
+  byId("formula-list").replaceChildren(...Object.values(kinds).flatMap(({ title, formula, domain, better }) =>
+    [make("dt", { text: title }), make("dd", {}, [make("code", { text: formula }), make("small", { text: `on ${domain}; ${better} is better` })])]));
 }

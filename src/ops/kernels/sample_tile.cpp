@@ -146,22 +146,44 @@ void steadiness_tile(const RowsAround& values, float falloff, int64_t first, int
   if (first + count == values.width) to[count - 1] = steadiness_at(values, falloff, values.width - 1);
 }
 
-void modulate_tile(const ModulationTile& tile) {
+void factors_tile(PlanarRow means, const float* HWY_RESTRICT logit, int64_t pixels, PlanarTarget factors) {
   const D d;
   const V zero = hn::Zero(d);
-  for (int64_t x = 0; x < tile.pixels; x += lanes()) {
-    V mean[3], plain[3], brightest = zero, largest = zero;
+  for (int64_t x = 0; x < pixels; x += lanes()) {
+    V brightest = zero;
     for (int c = 0; c < 3; ++c) {
-      mean[c] = hn::Load(d, tile.means.plane(c) + x);
-      plain[c] = hn::Load(d, tile.plain.plane(c) + x);
-      brightest = hn::Max(brightest, mean[c]);
+      const V mean = hn::Load(d, means.plane(c) + x);
+      brightest = hn::Max(brightest, mean);
+      hn::Store(mean, d, factors.plane(c) + x);
+    }
+    const V beta = hn::IfThenElse(hn::Eq(brightest, zero), zero, sigmoid(d, hn::Load(d, logit + x)));
+    hn::Store(beta, d, factors.plane(3) + x);
+  }
+}
+
+void modulate_tile(const ModulationTile& tile) {
+  const D d;
+  const PlanarRow in = tile.filtered;
+  const int64_t coloured = tile.parts / 3 * 3;
+  for (int64_t x = 0; x < tile.pixels; x += lanes()) {
+    V mean[3], plain[3], largest = hn::Zero(d);
+    for (int c = 0; c < 3; ++c) {
+      mean[c] = hn::Load(d, tile.factors.plane(c) + x);
+      plain[c] = hn::Load(d, in.plane(3 + c) + x);
       largest = hn::Max(largest, plain[c]);
     }
-    const auto off = hn::Or(hn::Eq(brightest, zero), hn::Gt(largest, hn::Set(d, tile.largest)));
-    const V beta = hn::IfThenElse(off, zero, sigmoid(d, hn::Load(d, tile.logit + x)));
+    const V beta =
+        hn::IfThenZeroElse(hn::Gt(largest, hn::Set(d, tile.largest)), hn::Load(d, tile.factors.plane(3) + x));
     for (int c = 0; c < 3; ++c) {
-      const V difference = hn::MulSub(mean[c], hn::Load(d, tile.divided.plane(c) + x), plain[c]);
+      const V difference = hn::MulSub(mean[c], hn::Load(d, in.plane(c) + x), plain[c]);
       hn::Store(hn::MulAdd(beta, difference, plain[c]), d, tile.out.plane(c) + x);
+    }
+    const V rest = hn::Sub(hn::Set(d, 1.0f), beta);
+    for (int64_t c = 0; c < tile.parts; ++c) {
+      V part = hn::Load(d, in.plane(6 + coloured + c) + x);
+      if (c < coloured)
+        part = hn::MulAdd(beta, hn::Mul(mean[c % 3], hn::Load(d, in.plane(6 + c) + x)), hn::Mul(rest, part));
+      hn::Store(part, d, tile.out.plane(3 + c) + x);
     }
   }
 }
@@ -181,6 +203,7 @@ HWY_EXPORT(demodulate_tile);
 HWY_EXPORT(relative_variance_tile);
 HWY_EXPORT(reject_tile);
 HWY_EXPORT(steadiness_tile);
+HWY_EXPORT(factors_tile);
 HWY_EXPORT(modulate_tile);
 
 void valid_shares(PlanarRow valid, int64_t items, int64_t pixels, float* share) {
@@ -209,6 +232,9 @@ void reject(const float* log_n, const float* logit, float most, int64_t pixels, 
 }
 void steadiness(const RowsAround& values, float falloff, int64_t x, int64_t count, float* to) {
   HWY_DYNAMIC_DISPATCH(steadiness_tile)(values, falloff, x, count, to);
+}
+void modulation_factors(PlanarRow means, const float* logit, int64_t pixels, PlanarTarget factors) {
+  HWY_DYNAMIC_DISPATCH(factors_tile)(means, logit, pixels, factors);
 }
 void modulate(const ModulationTile& tile) {
   HWY_DYNAMIC_DISPATCH(modulate_tile)(tile);

@@ -44,14 +44,18 @@ struct RowsAround {
 };
 void steadiness(const RowsAround& values, float falloff, int64_t x, int64_t count, float* to);
 
-/// out = plain + sigmoid(logit) * (mean * divided - plain); plain where no mean is above 0 or a channel
-/// beyond `largest`.
+/// factors = means [3] and beta = sigmoid(logit), 0 where no mean is above 0.
+void modulation_factors(PlanarRow means, const float* logit, int64_t pixels, PlanarTarget factors);
+
+/// out = plain + beta * (mean * divided - plain), plain where a channel of it is beyond `largest`; of further
+/// parts the same mean in the form that no sign and size overflows; what is beyond whole colours stays.
 struct ModulationTile {
-  PlanarRow divided, plain, means;  // [3] each
-  const float* logit;
+  PlanarRow filtered;  // divided [3], plain [3], then the divided coloured parts and all plain ones
+  PlanarRow factors;   // [4]
+  int64_t parts;       // channels beyond the radiance's
   float largest;
   int64_t pixels;
-  PlanarTarget out;  // [3]
+  PlanarTarget out;  // [3 + parts]
 };
 void modulate(const ModulationTile& tile);
 

@@ -143,12 +143,7 @@ void convolve(const WinogradRows& rows, WinogradScratch& scratch) {
     multiply(product);
   }
   HWY_DYNAMIC_DISPATCH(transform_outputs)(rows, tiles, scratch.products.get());
-  // Zeros again where the next convolution takes what it reads for the border.
-  const int64_t first = std::max(rows.begin, rows.width);
-  for (float* out : rows.out)
-    for (int64_t o = 0; out != nullptr && o < weights.outputs; ++o)
-      std::fill(out + o * rows.out_pitch + std::min(first, rows.end), out + o * rows.out_pitch + rows.end,
-                0.0f);
+  rows.clear_tail();
 }
 
 }  // namespace ld

@@ -3,6 +3,7 @@
 // ops/kernels/convolution.h. Free of LibTorch.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -14,6 +15,10 @@ namespace ld {
 class WinogradWeights {
  public:
   WinogradWeights(const float* weights, const float* biases, int64_t outputs, int64_t inputs);
+
+  static constexpr int64_t kBytesOfOne = sizeof(float);  // of the weights that came
+  /// Of the matrices.
+  int64_t bytes() const { return 16 * outputs * inputs * kBytesOfOne; }
 
   int64_t outputs, inputs;
   std::vector<PackedWeights> matrices;
@@ -27,8 +32,8 @@ constexpr int64_t kWinogradPixels = 96;
 struct WinogradScratch {
   Floats inputs, products;  // [16][inputs or outputs][tiles]
   explicit WinogradScratch(const WinogradWeights& weights);
-  static int64_t floats(const WinogradWeights& weights) {
-    return 8 * kWinogradPixels * (weights.inputs + weights.outputs);
+  static int64_t bytes(const WinogradWeights& weights) {
+    return 8 * kWinogradPixels * (weights.inputs + weights.outputs) * int64_t(sizeof(float));
   }
 };
 
@@ -42,14 +47,24 @@ struct WinogradSource {
 /// Two rows of the result, either of which may be null, from pixel `begin` on, a multiple of kPixelStep, at
 /// most kWinogradPixels; what is behind pixel `width` is set to 0. Of each source 2 kPixelStep + 2 floats
 /// behind pixel `end` can be read.
-struct WinogradRows {
-  const WinogradWeights* weights = nullptr;
+template <class Weights>
+struct TileRows {
+  const Weights* weights = nullptr;
   std::vector<WinogradSource> sources;
   std::array<float*, 2> out = {};
   int64_t out_pitch = 0;
   int64_t begin = 0, end = 0, width = 0;
   bool activated = false;
+
+  /// Zeros again where the next convolution takes what it reads for the border.
+  void clear_tail() const {
+    const int64_t first = std::min(std::max(begin, width), end);
+    for (float* row : out)
+      for (int64_t o = 0; row != nullptr && o < weights->outputs; ++o)
+        std::fill(row + o * out_pitch + first, row + o * out_pitch + end, 0.0f);
+  }
 };
+using WinogradRows = TileRows<WinogradWeights>;
 void convolve(const WinogradRows& rows, WinogradScratch& scratch);
 
 }  // namespace ld

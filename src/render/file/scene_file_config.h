@@ -54,24 +54,6 @@ struct SceneFileConfig {
   }
 };
 
-/// Consecutive frames of one scene: frame i belongs to sequence i / length.
-struct SequenceConfig {
-  int64_t length = 1;           // frames; 1: every frame its own scene
-  double shutter = 0.5;         // share of the time between frames that the shutter is open; 0: an instant
-  double speed = 1;             // of camera and objects; 0: all stand still
-  int64_t noise_instances = 1;  // independent sets of samples a frame
-
-  bool used() const { return length > 1; }
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("length", length, Range{1, 100000});
-    v.field("shutter", shutter, Range{0, 1});
-    v.field("speed", speed, Range{0, 10});
-    v.field("noise_instances", noise_instances, Range{1, 16});
-  }
-};
-
 /// Finds the files from `folder` (paths become relative to the working folder, or absolute as they were), and
 /// fills in the checksum. Throws Error for a file that is missing, UsageError when `checksum` was given and
 /// differs.

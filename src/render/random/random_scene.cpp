@@ -126,12 +126,12 @@ Scene random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame, uin
   return std::move(scene);
 }
 
-std::unique_ptr<PreparedScene> prepare_random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame,
-                                                    int width, int height,
-                                                    std::vector<DraftFault>* rejected) {
+std::unique_ptr<PreparedScene> first_sound_draft(const std::function<Scene(uint32_t attempt)>& draft,
+                                                 uint64_t seed, uint32_t frame,
+                                                 std::vector<DraftFault>* rejected) {
   constexpr uint32_t kAttempts = 24;  // then the last draft has to do
   for (uint32_t attempt = 0;; ++attempt) {
-    auto scene = std::make_unique<PreparedScene>(random_scene(config, seed, frame, attempt, width, height));
+    auto scene = std::make_unique<PreparedScene>(draft(attempt));
     RandomStream random(seed, RandomPurpose::scene, frame, attempt, kExposureStream);
     const DraftLook look = look_at_draft(*scene, log_uniform(random, 0.17F, 0.5F), seed, frame, attempt);
     if (look.fault != DraftFault::none && attempt + 1 < kAttempts) {
@@ -141,6 +141,14 @@ std::unique_ptr<PreparedScene> prepare_random_scene(const SceneConfig& config, u
     scene->scale_lights(look.exposure);
     return scene;
   }
+}
+
+std::unique_ptr<PreparedScene> prepare_random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame,
+                                                    int width, int height,
+                                                    std::vector<DraftFault>* rejected) {
+  return first_sound_draft(
+      [&](uint32_t attempt) { return random_scene(config, seed, frame, attempt, width, height); }, seed,
+      frame, rejected);
 }
 
 }  // namespace ld

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -67,9 +68,14 @@ void finish_scene_config(SceneConfig& config, const std::string& name, const std
 Scene random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame, uint32_t attempt, int width,
                    int height);
 
-/// The scene of a frame: the first draft without a fault (draft_check.h), its lights scaled so that the
-/// median luminance of the picture lies about between 0.17 and 0.5. `rejected`, when given, receives the
-/// faults of the drafts before it.
+/// The first draft without a fault (draft_check.h), its lights scaled so that the median luminance of the
+/// picture lies about between 0.17 and 0.5. `rejected`, when given, receives the faults of the drafts before
+/// it.
+std::unique_ptr<PreparedScene> first_sound_draft(const std::function<Scene(uint32_t attempt)>& draft,
+                                                 uint64_t seed, uint32_t frame,
+                                                 std::vector<DraftFault>* rejected = nullptr);
+
+/// The scene of a frame, of random_scene()'s drafts.
 std::unique_ptr<PreparedScene> prepare_random_scene(const SceneConfig& config, uint64_t seed, uint32_t frame,
                                                     int width, int height,
                                                     std::vector<DraftFault>* rejected = nullptr);

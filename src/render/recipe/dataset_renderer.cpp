@@ -119,6 +119,7 @@ class DatasetRenderer {
 
     const auto scene = source_.prepare(frame);
     settings.spp = static_cast<int>(recipe_.spp);
+    settings.filter_guides = recipe_.filter_guides;
     std::vector<Frame> samples;  // every instance, each followed by its halved companion if there is one
     for (int64_t instance = 0; instance < recipe_.sequence.noise_instances; ++instance) {
       if (!add_samples(*scene, settings, frame, 2 * instance, samples)) return;
@@ -146,7 +147,11 @@ class DatasetRenderer {
     if (!rendered) return false;
     rendered->info.frame = frame;
     rendered->info.generator = "ld_render " LD_VERSION;
-    if (recipe_.sequence.used()) rendered->features = feature_names();  // with `flow`
+    if (recipe_.sequence.used()) {
+      rendered->features.emplace_back("flow");
+      if (recipe_.filter_guides) rendered->features.emplace_back("flow_depth");
+      rendered->info.cut = scene.scene().cut;
+    }
     samples.push_back(std::move(*rendered));
     return true;
   }

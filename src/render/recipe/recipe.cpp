@@ -1,5 +1,7 @@
 #include "render/recipe/recipe.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -93,6 +95,12 @@ void finish_recipe(Recipe& recipe, const std::string& name, const std::filesyste
       fail_usage(
           "{}: frames: a split of {} frames cuts a sequence of {}; expected multiples of sequence.length",
           name, count, length);
+  if (recipe.sequence.kinds.empty())
+    fail_usage("{}: sequence.kinds: expected at least one kind, found none", name);
+  if (recipe.scene_file.used() && recipe.sequence.kinds != SequenceConfig().kinds)
+    fail_usage(
+        "{}: sequence.kinds: expected [fly] for a scene file, found [{}]; other kinds are of random scenes",
+        name, fmt::join(recipe.sequence.kinds, ", "));
   resolve(recipe.scene_file, folder);
 }
 
@@ -123,7 +131,7 @@ Recipe scene_recipe(const std::string& scene, const std::string& probe, int64_t 
   return recipe;
 }
 
-std::pair<int64_t, int64_t> parse_frame_range(const std::string& text, int64_t frame_count) {
+std::pair<int64_t, int64_t> frames_of_recipe(const std::string& text, int64_t frame_count) {
   if (text.empty()) return {0, frame_count};
   const size_t colon = text.find(':');
   if (colon == std::string::npos)

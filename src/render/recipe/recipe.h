@@ -12,6 +12,7 @@
 #include "core/config_visitor.h"
 #include "render/file/scene_file_config.h"
 #include "render/random/random_scene.h"
+#include "render/recipe/sequence_config.h"
 #include "render/trace/path_tracer.h"
 
 namespace ld {
@@ -40,6 +41,7 @@ struct Recipe {
   std::string sampling = "independent";  // of the frames' samples; low_discrepancy spreads a pixel's evenly
   std::string guides =
       "first_hit";             // of the first surface, or through_specular: of what mirrors and glass show
+  bool filter_guides = false;  // keep what classical filters read besides: id, parts of radiance, matrices
   bool half_radiance = false;  // samples at half the width and height beside each frame
   /// The least roughness of later surfaces once a path was scattered broadly, of samples and references alike
   /// (docs/rendering.md); 0: off.
@@ -63,6 +65,7 @@ struct Recipe {
     v.field("max_bounces", max_bounces, Range{0, 1000});
     v.field("sampling", sampling, {"independent", "low_discrepancy"});
     v.field("guides", guides, {"first_hit", "through_specular"});
+    v.field("filter_guides", filter_guides);
     v.field("half_radiance", half_radiance);
     v.field("path_regularisation", path_regularisation, Range{0, 1});
     v.field("indirect_clamp", indirect_clamp, Range{0, 1e30});
@@ -109,6 +112,6 @@ Recipe scene_recipe(const std::string& scene, const std::string& probe, int64_t 
 
 /// Parses "A:B", frames A to B - 1; either may be left out; "" is all. Throws UsageError when it does not
 /// fit.
-std::pair<int64_t, int64_t> parse_frame_range(const std::string& text, int64_t frame_count);
+std::pair<int64_t, int64_t> frames_of_recipe(const std::string& text, int64_t frame_count);
 
 }  // namespace ld

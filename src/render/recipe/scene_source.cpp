@@ -5,13 +5,10 @@
 
 #include "render/file/scene_views.h"
 #include "render/random/random_scene.h"
-#include "render/recipe/sequence.h"
+#include "render/recipe/shots.h"
 
 namespace ld {
 namespace {
-
-// Index c of RandomStream(seed, scene, sequence, 0, c): beyond those of random scenes and views.
-constexpr uint32_t kPathStream = 32;
 
 /// What planning a sequence took, kept while its frames are being rendered.
 template <class Plan>
@@ -56,29 +53,20 @@ class RandomSequences : public SceneSource {
 
   std::unique_ptr<PreparedScene> prepare(int64_t frame) const override {
     const int64_t sequence = recipe_.sequence_of(frame);
-    const auto plan = plans_.get(sequence, [&] {
-      Scene scene = prepared_random(recipe_, sequence)->scene();
-      // What crosses a still picture while the shutter is open would leave the picture within a few frames.
-      constexpr float kCalmer = 0.5F;
-      const auto speed = kCalmer * static_cast<float>(recipe_.sequence.speed);
-      RandomStream random(recipe_.seed, RandomPurpose::scene, static_cast<uint32_t>(sequence), 0,
-                          kPathStream);
-      const float distance = scene.camera.focus_distance;
-      return plan_sequence(std::move(scene), distance, recipe_.sequence.length, speed, random);
-    });
+    const auto shot = shots_.get(sequence, [&] { return plan_shot(recipe_, sequence); });
     return std::make_unique<PreparedScene>(
-        sequence_frame(*plan, recipe_.position_of(frame), static_cast<float>(recipe_.sequence.shutter)));
+        shot_frame(*shot, recipe_.position_of(frame), static_cast<float>(recipe_.sequence.shutter)));
   }
 
  private:
   Recipe recipe_;
-  mutable PlanCache<SequencePlan> plans_;
+  mutable PlanCache<Shot> shots_;
 };
 
 /// A scene file, loaded once.
-class FileViews : public SceneSource {
+class SceneFileFrames : public SceneSource {
  public:
-  explicit FileViews(const Recipe& recipe) : recipe_(recipe), file_(config_.path, config_.animation) {
+  explicit SceneFileFrames(const Recipe& recipe) : recipe_(recipe), file_(config_.path, config_.animation) {
     if (!config_.probe.empty()) {
       const auto turn = static_cast<float>(config_.probe_turn) * kPi / 180;
       probe_ = read_probe(config_.probe, grey(static_cast<float>(config_.probe_scale)), turn);
@@ -121,9 +109,9 @@ class FileViews : public SceneSource {
 
 /// The file's animation frame by frame from config.time on. A camera of the file that is animated is
 /// followed; others fly.
-class FileSequences : public FileViews {
+class SceneFileSequences : public SceneFileFrames {
  public:
-  using FileViews::FileViews;
+  using SceneFileFrames::SceneFileFrames;
 
   std::unique_ptr<PreparedScene> prepare(int64_t frame) const override {
     const int64_t sequence = recipe_.sequence_of(frame), position = recipe_.position_of(frame);
@@ -167,8 +155,8 @@ class FileSequences : public FileViews {
 std::unique_ptr<SceneSource> make_scene_source(const Recipe& recipe) {
   const bool sequences = recipe.sequence.used();
   if (recipe.scene_file.used()) {
-    if (sequences) return std::make_unique<FileSequences>(recipe);
-    return std::make_unique<FileViews>(recipe);
+    if (sequences) return std::make_unique<SceneFileSequences>(recipe);
+    return std::make_unique<SceneFileFrames>(recipe);
   }
   if (sequences) return std::make_unique<RandomSequences>(recipe);
   return std::make_unique<RandomScenes>(recipe);

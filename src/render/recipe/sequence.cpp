@@ -40,13 +40,14 @@ Camera fly(const Camera& camera, const CameraPath& path, int64_t position, float
 
 Scene sequence_frame(const SequencePlan& plan, int64_t position, float shutter) {
   const auto frame = static_cast<float>(position);
+  const float gone = plan.progress(frame);
   Scene scene = plan.scene;
   for (Object& object : scene.objects) {
     const Motion way = object.motion;
-    carry(object.mesh, part_of(way, 0, frame));
-    object.motion = part_of(way, frame, shutter);
-    object.previous = part_of(way, frame, -1);
-    object.texture = part_of(way, frame, -frame);
+    carry(object.mesh, part_of(way, 0, gone));
+    object.motion = part_of(way, gone, plan.progress(frame, shutter));
+    object.previous = part_of(way, gone, plan.progress(frame, -1));
+    object.texture = part_of(way, gone, -gone);
   }
   scene.camera = fly(scene.camera, plan.path, position, shutter);
   return scene;

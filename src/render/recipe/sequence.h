@@ -1,9 +1,15 @@
 // Sequences: one scene over many frames, the camera flying through it, objects moving on at even speed.
 #pragma once
 
+#include <algorithm>
+
 #include "render/recipe/sequence_camera.h"
 
 namespace ld {
+
+// Index c of RandomStream(seed, scene, sequence, 0, c) for the camera's way: beyond those of random scenes
+// and views.
+constexpr uint32_t kPathStream = 32;
 
 /// The part of an even motion, given over one frame, that begins `from` frames later and lasts `frames` of
 /// them; negative ones go back.
@@ -16,6 +22,14 @@ void carry(Mesh& mesh, const Motion& motion);
 struct SequencePlan {
   Scene scene;  // at frame 0
   CameraPath path;
+  float begin = -1e9F;  // until this frame the objects stand still
+
+  /// How many frames of their way the objects have gone.
+  float progress(float frame) const { return std::max(frame, begin) - std::max(begin, 0.0F); }
+  /// How many of them in the next `frames`; negative ones go back.
+  float progress(float frame, float frames) const {
+    return std::min(frame, frame + frames) >= begin ? frames : progress(frame + frames) - progress(frame);
+  }
 };
 
 /// Takes the scene's objects, their motion times `speed`, and its camera as the start. `distance` is to what

@@ -82,6 +82,21 @@ CameraPose CameraPath::at(float frame) const {
   return {place, look_at(place, spline(targets_, frame), up_)};
 }
 
+CameraPath steady_path(const PreparedScene& scene, const Camera& start, Vec3 step, float angle,
+                       int64_t length) {
+  const float clear = 0.5F * clearance(scene, start.position, 0);
+  for (float share = 1;; share = share > 0.1F ? 0.5F * share : 0) {
+    std::vector<Vec3> places, targets;
+    for (int64_t i = -static_cast<int64_t>(kFirst); i < length + 3; ++i) {
+      const float frames = share * static_cast<float>(i);
+      places.push_back(start.position + step * frames);
+      targets.push_back(places.back() - rotate(start.axes.z, start.axes.y, angle * frames));
+    }
+    CameraPath path(std::move(places), std::move(targets), start.axes.y, 1);
+    if (share == 0 || is_black(step) || stays_clear(scene, path, length, clear)) return path;
+  }
+}
+
 CameraPath plan_camera_path(const PreparedScene& scene, const Camera& start, float distance, int64_t length,
                             float speed, RandomStream& random) {
   constexpr int kAttempts = 24;

@@ -24,6 +24,12 @@ class CameraPath {
   float frames_a_knot_;
 };
 
+/// A camera that moves by `step` (scene units) and turns by `angle` (radians, about its own up) each frame of
+/// `length`. `scene` and what is in the way: as below, a slower path taking the place of one that is not
+/// clear, down to a camera that stands.
+CameraPath steady_path(const PreparedScene& scene, const Camera& start, Vec3 step, float angle,
+                       int64_t length);
+
 /// A path of `length` frames that begins at `start` looking at the point `distance` ahead of it. `scene` must
 /// carry its objects from the first frame (time 0) to the last (time 1). Candidates that come near a surface
 /// or pass through one are thrown away; each further one is slower, down to a camera that only turns. `speed`

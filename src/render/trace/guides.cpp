@@ -3,9 +3,14 @@
 namespace ld {
 namespace {
 
+/// Whether both points lie before their cameras.
+bool both_seen(const Camera& from, Vec3 from_point, const Camera& to, Vec3 to_point) {
+  return from.depth(from_point) > 0 && to.depth(to_point) > 0;
+}
+
 /// From where one camera sees a point to where another sees another; 0 when either lies behind its camera.
 Vec2 shift(const Camera& from, Vec3 from_point, const Camera& to, Vec3 to_point) {
-  if (from.depth(from_point) <= 0 || to.depth(to_point) <= 0) return {};
+  if (!both_seen(from, from_point, to, to_point)) return {};
   const Vec2 a = from.project(from_point), b = to.project(to_point);
   return {b.x - a.x, b.y - a.y};
 }
@@ -41,6 +46,8 @@ GuideRecorder::GuideRecorder(const PreparedScene& scene, float time, bool throug
       guides_(guides) {}
 
 void GuideRecorder::place(const Surface& surface) {
+  guides_.id = 1 + (surface.object >= 0 ? surface.object
+                                        : static_cast<int>(scene_.scene().objects.size()) + surface.light);
   guides_.depth = camera_.depth(image_.position(surface.position));
   guides_.coc = camera_.circle_of_confusion(guides_.depth);
 }
@@ -54,9 +61,14 @@ void GuideRecorder::follow(const Surface& surface) {
   if (camera.shutter && (camera.close || (moving != nullptr && !moving->motion.still())))
     guides_.motion =
         shift(camera.at(0), open, camera.at(1), moving != nullptr ? moving->motion.point(open, 1) : open);
-  if (camera.previous || (moving != nullptr && !moving->previous.still()))
-    guides_.flow = shift(camera.at(0), open, camera.at_previous(),
-                         moving != nullptr ? moving->previous.point(open, 1) : open);
+  if (scene_.scene().cut) {
+    guides_.flow = {kNoFlow, kNoFlow};
+  } else if (camera.previous || (moving != nullptr && !moving->previous.still())) {
+    const Camera now = camera.at(0), then = camera.at_previous();
+    const Vec3 before = moving != nullptr ? moving->previous.point(open, 1) : open;
+    guides_.flow = shift(now, open, then, before);
+    if (both_seen(now, open, then, before)) guides_.flow_depth = then.depth(before) - now.depth(open);
+  }
 }
 
 void GuideRecorder::escaped(Vec3 direction, bool first) {
@@ -70,12 +82,16 @@ void GuideRecorder::escaped(Vec3 direction, bool first) {
     guides_.albedo = nothing.albedo;
     guides_.specular = nothing.specular;
     guides_.roughness = nothing.roughness;
+    guides_.id = nothing.id;
     return;
   }
   const Camera& camera = scene_.scene().camera;
   if (camera.shutter && camera.close)
     guides_.motion = shift_at_infinity(camera.at(0), camera.at(1), direction);
-  if (camera.previous) guides_.flow = shift_at_infinity(camera.at(0), camera.at_previous(), direction);
+  if (scene_.scene().cut)
+    guides_.flow = {kNoFlow, kNoFlow};
+  else if (camera.previous)
+    guides_.flow = shift_at_infinity(camera.at(0), camera.at_previous(), direction);
 }
 
 void GuideRecorder::light(const Surface& surface, Vec3 direction, Vec3 radiance, bool first) {

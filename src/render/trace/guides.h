@@ -24,7 +24,10 @@ namespace ld {
 /// - coc: circle of confusion at the hit's depth, in the limit where the ray escaped;
 /// - flow: from where the hit point is at shutter open to where it was at the previous frame's shutter open,
 /// 0 where
-///   there is no previous frame.
+///   there is no previous frame, kNoFlow after a cut;
+/// - flow_depth: by how much its depth was larger then, 0 where there is no previous frame or the ray
+/// escaped;
+/// - id: 1 + the object's number, the lights behind the objects; 0 where the ray escaped.
 struct Guides {
   Vec3 normal;
   float depth = kEscapedDepth;
@@ -33,6 +36,8 @@ struct Guides {
   Vec2 motion;
   float coc = 0;
   Vec2 flow;
+  float flow_depth = 0;
+  int id = 0;
 };
 
 /// The material's colours and index at a surface point, as the path tracer sees them.
@@ -41,7 +46,7 @@ Bsdf bsdf_at(const Material& material, const Surface& surface, bool outside, flo
 /// Fills Guides as a path goes. By default all of it is the first hit's. With `through_specular`, all but the
 /// movement, which stays the first hit's, is that of the first surface that is neither mirror nor smooth
 /// dielectric: the colours multiplied by what the path passed on its way there, depth, circle of confusion
-/// and normal those of its virtual image (render/trace/virtual_image.h).
+/// and normal those of its virtual image (render/trace/virtual_image.h), the id its own.
 class GuideRecorder {
  public:
   GuideRecorder(const PreparedScene& scene, float time, bool through_specular, Guides& guides);

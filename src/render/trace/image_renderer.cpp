@@ -48,6 +48,15 @@ bool for_each_pixel(const Tile& tile, const Camera& camera, const RenderSettings
   return true;
 }
 
+void add_matrices(const Camera& camera, FrameInfo& info) {
+  const auto triple = [](Vec3 v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  const CameraPlace place = {triple(camera.position), triple(camera.axes.x), triple(camera.axes.y),
+                             triple(camera.axes.z)};
+  const double half_height = std::tan(0.5 * camera.fov);
+  info.world_to_camera = world_to_camera(place);
+  info.world_to_ndc = world_to_ndc(place, half_height * camera.width / camera.height, half_height);
+}
+
 SampleNumbers input_numbers(const RenderSettings& settings, uint32_t pixel, uint32_t sample) {
   if (!settings.low_discrepancy)
     return SampleNumbers(
@@ -59,27 +68,26 @@ SampleNumbers input_numbers(const RenderSettings& settings, uint32_t pixel, uint
 
 std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSettings& settings) {
   const Camera& camera = scene.scene().camera;
-  Frame frame(camera.width, camera.height, settings.spp);
+  Frame frame(camera.width, camera.height, settings.spp,
+              settings.filter_guides ? kAllChannels : kSampleChannels);
+  const auto channels = static_cast<size_t>(frame.channels);
   const bool complete = for_each_tile(camera, settings, [&](const Tile& tile) {
     // A sample has many planes, far apart in memory: they are filled a row of the tile at a time.
     const auto pixels = static_cast<size_t>(tile.pixels());
-    std::vector<float> values(static_cast<size_t>(settings.spp) * kSampleChannels * pixels);
+    std::vector<float> values(static_cast<size_t>(settings.spp) * channels * pixels);
     size_t done = 0;
     const bool whole = for_each_pixel(tile, camera, settings, [&](int x, int y, uint32_t pixel) {
       for (int s = 0; s < settings.spp; ++s) {
         SampleNumbers numbers = input_numbers(settings, pixel, static_cast<uint32_t>(s));
         const CameraSample where = draw_camera_sample(camera, x, y, numbers);
         const auto sample = trace_sample(scene, where, numbers, settings.path);
-        float* to = &values[static_cast<size_t>(s) * kSampleChannels * pixels + done];
-        for (const float value : sample) {
-          *to = value;
-          to += pixels;
-        }
+        float* const to = &values[static_cast<size_t>(s) * channels * pixels + done];
+        for (size_t c = 0; c < channels; ++c) to[c * pixels] = sample[c];
       }
       ++done;
     });
     const auto width = static_cast<size_t>(tile.width());
-    for (size_t plane = 0; whole && plane < static_cast<size_t>(settings.spp) * kSampleChannels; ++plane)
+    for (size_t plane = 0; whole && plane < static_cast<size_t>(settings.spp) * channels; ++plane)
       for (int y = tile.y0; y < tile.y1; ++y)
         std::copy_n(&values[plane * pixels + static_cast<size_t>(y - tile.y0) * width], width,
                     &frame.samples[plane * frame.plane_size() +
@@ -93,6 +101,10 @@ std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSett
   frame.info.scene = scene.scene().name;
   frame.info.camera = camera.describe();
   frame.info.depth_scale = median_depth(frame);
+  if (settings.filter_guides) {
+    frame.features.insert(frame.features.end(), {"id", "direct", "indirect", "emission"});
+    add_matrices(camera, frame.info);
+  }
   return frame;
 }
 

@@ -14,6 +14,7 @@ struct RenderSettings {
   uint64_t seed = 0;
   uint32_t frame = 0;  // index in the recipe: another frame, other random numbers
   int spp = 8;
+  bool filter_guides = false;  // keep what classical filters read besides
   int threads = 1;
   PathSettings path;
   bool low_discrepancy = false;  // spread the samples of a frame's pixels evenly, as a reference's always are
@@ -26,8 +27,10 @@ struct RenderSettings {
 /// spp samples of every pixel of the scene's camera, with guides, unfiltered. Sample s of pixel p takes its
 /// numbers from RandomStream(seed, input_samples, frame, p, s), so threads do not matter; with
 /// low_discrepancy the samples of a pixel are one SampleNumbers sequence each, scrambled by
-/// RandomStream(seed, input_samples, frame, p). info.seed, frame, scene, camera and depth_scale are filled.
-/// Empty when stopped.
+/// RandomStream(seed, input_samples, frame, p). info.seed, frame, scene, camera and depth_scale are filled,
+/// the features are those of [MH20]; with filter_guides also id, direct, indirect, emission and the camera's
+/// matrices. Flow and flow_depth are there, but not among the features: only who renders sequences knows what
+/// they mean. Empty when stopped.
 std::optional<Frame> render_samples(const PreparedScene& scene, const RenderSettings& settings);
 
 /// Two independent references of half the samples each, [3, H, W]; what they differ by tells how far their

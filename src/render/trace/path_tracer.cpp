@@ -99,7 +99,7 @@ Vec3 clamp_contribution(Vec3 contribution, float bound) {
 }
 
 Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, SampleNumbers& numbers,
-                const PathSettings& settings, Guides* guides) {
+                const PathSettings& settings, Guides* guides, RadianceParts* parts) {
   std::optional<GuideRecorder> recorder;
   if (guides != nullptr) recorder.emplace(scene, time, settings.guides_through_specular, *guides);
   Vec3 radiance, throughput = grey(1);
@@ -116,6 +116,11 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     return scattered_times + more < 2 ? contribution
                                       : clamp_contribution(contribution, settings.indirect_clamp);
   };
+  const auto bring = [&](Vec3 contribution, int segments) {
+    radiance += contribution;
+    if (parts == nullptr) return;
+    (segments == 1 ? parts->emission : segments == 2 ? parts->direct : parts->indirect) += contribution;
+  };
   for (int bounce = 0;; ++bounce) {
     numbers.seek(kCameraPairs + kBouncePairs * static_cast<uint32_t>(bounce));
     const bool first = bounce == 0;
@@ -125,12 +130,14 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     if (!surface) {
       if (record != nullptr) record->escaped(ray.direction, first);
       const Vec3 sky = scene.environment(ray.direction, light_pdf);
-      return radiance +
-             bounded(throughput * sky * claim(only_way, bsdf_pdf, light_pdf, settings.strategy), 0);
+      bring(bounded(throughput * sky * claim(only_way, bsdf_pdf, light_pdf, settings.strategy), 0),
+            bounce + 1);
+      return radiance;
     }
     const Vec3 emitted = scene.emitted(*surface, ray.direction, light_pdf);
     if (!is_black(emitted))
-      radiance += bounded(throughput * emitted * claim(only_way, bsdf_pdf, light_pdf, settings.strategy), 0);
+      bring(bounded(throughput * emitted * claim(only_way, bsdf_pdf, light_pdf, settings.strategy), 0),
+            bounce + 1);
     const bool shines = surface->light >= 0 || !is_black(emitted);
     if (record != nullptr && shines) record->light(*surface, ray.direction, emitted, first);
     if (surface->light >= 0) return radiance;
@@ -146,7 +153,7 @@ Vec3 trace_path(const PreparedScene& scene, const Ray& first_ray, float time, Sa
     const bool last = ends_here(vertex, bounce, settings);
     const LightStrategy strategy = last ? LightStrategy::light_sampling : settings.strategy;
     if (!vertex.bsdf.is_delta() && scene.has_lights() && strategy != LightStrategy::bsdf_sampling)
-      radiance += bounded(throughput * direct_light(scene, vertex, time, strategy, numbers), 1);
+      bring(bounded(throughput * direct_light(scene, vertex, time, strategy, numbers), 1), bounce + 2);
     if (last) return radiance;
 
     const float choice = numbers.one();
@@ -178,15 +185,46 @@ CameraSample draw_camera_sample(const Camera& camera, int x, int y, SampleNumber
   return sample;
 }
 
-std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
-                                                SampleNumbers& numbers, const PathSettings& settings) {
+std::array<float, kAllChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
+                                             SampleNumbers& numbers, const PathSettings& settings) {
   Guides g;
+  RadianceParts parts;
+  const auto& [emission, direct, indirect] = parts;
   const Camera& camera = scene.scene().camera;
-  const Vec3 radiance = trace_path(scene, camera.ray_at(where), where.time, numbers, settings, &g);
-  return {radiance.x,   radiance.y,  radiance.z, g.normal.x, g.normal.y,   g.normal.z,
-          g.depth,      g.albedo.x,  g.albedo.y, g.albedo.z, g.specular.x, g.specular.y,
-          g.specular.z, g.roughness, g.motion.x, g.motion.y, g.coc,        where.lens.x,
-          where.lens.y, where.time,  g.flow.x,   g.flow.y};
+  const Vec3 radiance = trace_path(scene, camera.ray_at(where), where.time, numbers, settings, &g, &parts);
+  return {radiance.x,
+          radiance.y,
+          radiance.z,
+          g.normal.x,
+          g.normal.y,
+          g.normal.z,
+          g.depth,
+          g.albedo.x,
+          g.albedo.y,
+          g.albedo.z,
+          g.specular.x,
+          g.specular.y,
+          g.specular.z,
+          g.roughness,
+          g.motion.x,
+          g.motion.y,
+          g.coc,
+          where.lens.x,
+          where.lens.y,
+          where.time,
+          g.flow.x,
+          g.flow.y,
+          static_cast<float>(g.id),
+          g.flow_depth,
+          direct.x,
+          direct.y,
+          direct.z,
+          indirect.x,
+          indirect.y,
+          indirect.z,
+          emission.x,
+          emission.y,
+          emission.z};
 }
 
 }  // namespace ld

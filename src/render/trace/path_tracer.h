@@ -34,17 +34,23 @@ struct PathSettings {
 /// where bound is 0, and where it is not finite (a fault that must stay visible).
 Vec3 clamp_contribution(Vec3 contribution, float bound);
 
+/// Radiance in parts, whichever technique found them: by paths of one segment (what shines where the ray from
+/// the camera ends), of two (camera, surface, light) and of more.
+struct RadianceParts {
+  Vec3 emission, direct, indirect;
+};
+
 /// Radiance along one random path that begins with `ray`; `guides`, when given, receives what the first hit
-/// says.
+/// says, and `parts` what radiance is the sum of.
 Vec3 trace_path(const PreparedScene& scene, const Ray& ray, float time, SampleNumbers& numbers,
-                const PathSettings& settings, Guides* guides = nullptr);
+                const PathSettings& settings, Guides* guides = nullptr, RadianceParts* parts = nullptr);
 
 /// A uniform place on the pixel, on the lens and in the shutter interval; always takes five numbers. A
 /// pinhole's lens position is (0, 0) and an instant shutter's time 0: there is nothing to know there.
 CameraSample draw_camera_sample(const Camera& camera, int x, int y, SampleNumbers& numbers);
 
 /// One sample with its guides in the channel order of frame/schema.h.
-std::array<float, kSampleChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
-                                                SampleNumbers& numbers, const PathSettings& settings);
+std::array<float, kAllChannels> trace_sample(const PreparedScene& scene, const CameraSample& where,
+                                             SampleNumbers& numbers, const PathSettings& settings);
 
 }  // namespace ld

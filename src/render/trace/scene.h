@@ -76,6 +76,7 @@ struct Scene {
   std::optional<Sky> sky;
   std::optional<Probe> probe;  // or a sky, not both
   Camera camera;
+  bool cut = false;  // in a sequence: the frame before showed something else
 };
 
 }  // namespace ld

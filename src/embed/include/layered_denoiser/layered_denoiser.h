@@ -62,11 +62,16 @@ LD_API LdStatus ld_set_threads(int threads);
 
 /* Loads a weight file (.safetensors), a checkpoint folder or a run folder. `*denoiser` is NULL on failure. */
 LD_API LdStatus ld_create(const char* weights, LdDenoiser** denoiser);
+
+/* A denoiser without weights: "eaw" (Dammertz et al. 2010) or "svgf" (Schied et al. 2017), with `settings` of
+ * the form "key=value", the last one NULL; NULL: the defaults (docs/filters.md). "svgf" remembers: every
+ * ld_denoise() is the next frame of a sequence, until ld_restart() or another size. */
+LD_API LdStatus ld_create_filter(const char* kind, const char* const* settings, LdDenoiser** denoiser);
 LD_API void ld_destroy(LdDenoiser* denoiser); /* NULL is fine */
 
-/* The features that these weights read. All must be set before ld_denoise(), but for those that the weights
- * do without (network.optional of their training): of the released ones, all but "radiance". ld_denoise()
- * names one that is missing. */
+/* The features that these weights or this filter read. All must be set before ld_denoise(), but for those
+ * that the weights do without (network.optional of their training): of the released ones and filters, all but
+ * "radiance". ld_denoise() names one that is missing. */
 LD_API int ld_feature_count(const LdDenoiser* denoiser);
 LD_API const char* ld_feature_name(const LdDenoiser* denoiser, int index); /* NULL beyond the count */
 LD_API int ld_feature_channels(const LdDenoiser* denoiser, int index);     /* 0 beyond the count */
@@ -79,16 +84,37 @@ LD_API LdStatus ld_set_size(LdDenoiser* denoiser, int width, int height, int spp
 LD_API LdStatus ld_set_feature(LdDenoiser* denoiser, const char* name, const float* data,
                                const LdStrides* strides);
 
+/* Parts of the light (what single lamps send, diffuse and specular, direct and indirect): each call adds one.
+ * `samples` are its radiance [spp][3][height][width], which may be negative. ld_denoise() filters it with the
+ * weights of the picture and writes [3][height][width] to `picture` when it succeeds. Parts that sum to the
+ * radiance in every sample so come out as parts that sum to the picture, to rounding, whose bits they do not
+ * change. A part with a NaN or an infinity where the radiance has none counts as 0 in that sample. Both
+ * memories stay the caller's. ld_set_size() forgets the parts. */
+LD_API LdStatus ld_add_part(LdDenoiser* denoiser, const float* samples, const LdStrides* strides,
+                            float* picture, const LdStrides* picture_strides);
+
+/* The same for the samples' alpha, [spp][1][height][width], 0 to 1, the radiance premultiplied by it;
+ * `picture` receives [1][height][width]. Samples whose alpha is a NaN or an infinity are left out. */
+LD_API LdStatus ld_set_alpha(LdDenoiser* denoiser, const float* samples, const LdStrides* strides,
+                             float* picture, const LdStrides* picture_strides);
+
 /* Which samples were drawn, [spp][height][width], 0 for no; NULL (the default): all. */
 LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
 
-/* Bounds what the whole process takes while ld_denoise() runs, the samples' copy aside, in MB of 10^6 bytes:
+/* Bounds what the whole process takes while ld_denoise() runs, the samples' copy aside, in MB of 2^20 bytes:
  * program, libraries and your own memory count. 0 (the default): no bound. The bound changes no bit of
- * the picture, unless the matrix library rounds products of fewer rows otherwise: then by 1e-5 of a value at
- * most. A bound that is too small makes ld_denoise() fail and name the smallest one. */
+ * the picture. One that is too small makes ld_denoise() fail and name the smallest one. */
 LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
 
-/* NULL (the default): none. */
+/* Of the following frames, for filters: the matrices that OpenEXR has as worldToCamera and worldToNDC, 16
+ * numbers row by row for points as rows, at shutter open; NULL (the default): not known. Models do not read
+ * them. */
+LD_API LdStatus ld_set_camera(LdDenoiser* denoiser, const float* world_to_camera, const float* world_to_ndc);
+
+/* The next frame follows none of those before, as after a cut. Models remember nothing. */
+LD_API LdStatus ld_restart(LdDenoiser* denoiser);
+
+/* NULL (the default): none. Filters are done before they could report. */
 LD_API LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user);
 
 /* Denoises the frame into `picture`: linear R, G, B. It is written only when the call succeeds. With the

@@ -40,6 +40,16 @@ class Denoiser {
     denoiser_.reset(denoiser);
   }
 
+  /// "eaw" or "svgf" with settings "key=value" (ld_create_filter). Throws Failure.
+  static Denoiser filter(const std::string& kind, const std::vector<std::string>& settings = {}) {
+    std::vector<const char*> texts;
+    for (const std::string& setting : settings) texts.push_back(setting.c_str());
+    texts.push_back(nullptr);
+    LdDenoiser* denoiser = nullptr;
+    check(ld_create_filter(kind.c_str(), texts.data(), &denoiser));
+    return Denoiser(denoiser);
+  }
+
   /// What these weights read; all must be set before denoise() but for those that they do without.
   std::vector<Feature> features() const {
     std::vector<Feature> features;
@@ -55,7 +65,24 @@ class Denoiser {
   void set_feature(const std::string& name, const float* data, const LdStrides* strides = nullptr) {
     check(ld_set_feature(denoiser_.get(), name.c_str(), data, strides));
   }
+  /// A part of the light, [spp][3][height][width], whose filtered picture denoise() writes to `picture`,
+  /// [3][height][width], both unless strides say otherwise; ld_add_part() says the rest.
+  void add_part(const float* samples, float* picture, const LdStrides* strides = nullptr,
+                const LdStrides* picture_strides = nullptr) {
+    check(ld_add_part(denoiser_.get(), samples, strides, picture, picture_strides));
+  }
+  /// Alpha, [spp][1][height][width], likewise: to [1][height][width].
+  void set_alpha(const float* samples, float* picture, const LdStrides* strides = nullptr,
+                 const LdStrides* picture_strides = nullptr) {
+    check(ld_set_alpha(denoiser_.get(), samples, strides, picture, picture_strides));
+  }
   void set_valid(const uint8_t* valid) { check(ld_set_valid(denoiser_.get(), valid)); }
+  /// Of the following frames (ld_set_camera); null pointers: not known.
+  void set_camera(const float* world_to_camera, const float* world_to_ndc) {
+    check(ld_set_camera(denoiser_.get(), world_to_camera, world_to_ndc));
+  }
+  /// The next frame follows none of those before.
+  void restart() { check(ld_restart(denoiser_.get())); }
   void set_max_memory(size_t megabytes) { check(ld_set_max_memory(denoiser_.get(), megabytes)); }
 
   /// Called with the share done; returning false cancels: denoise() then throws a Failure of LD_CANCELLED.
@@ -76,6 +103,8 @@ class Denoiser {
   }
 
  private:
+  explicit Denoiser(LdDenoiser* denoiser) : denoiser_(denoiser) {}
+
   struct Destroy {
     void operator()(LdDenoiser* denoiser) const { ld_destroy(denoiser); }
   };

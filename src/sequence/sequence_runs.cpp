@@ -1,4 +1,4 @@
-#include "frame/sequence_runs.h"
+#include "sequence/sequence_runs.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "core/waiting.h"
+#include "core/process/waiting.h"
 
 #include <limits.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "frame/sequence_state.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 

@@ -1,0 +1,42 @@
+// One row of the temporal accumulation of Schied et al. 2017.
+#pragma once
+
+#include "filters/kernels/plane_view.h"
+
+namespace ld {
+
+/// Which pixels of the previous frame show the surface of a pixel: id' = id, n . n' >= least_cosine,
+/// |z' - (z + flow_z)| <= depth_slopes max |slope| + depth_least.
+struct HistoryTest {
+  float depth_slopes = 10, depth_least = 0, least_cosine = 0.9F;
+};
+
+/// The shares of the new frame are at least `alpha`; squares of luminances beyond kLargestMoment would not be
+/// finite.
+struct HistoryBlend {
+  float alpha = 0.2F, alpha_moments = 0.2F, longest = 32;
+};
+constexpr float kLargestMoment = 1e18F;
+
+/// Below so much bilinear weight the neighbourhood is searched.
+constexpr float kLeastTapWeight = 0.01F;
+/// The bilinear weights of equal lengths add up to 1 but for rounding, which must not cost a frame.
+constexpr float kLengthRounding = 1e-3F;
+
+struct AccumulateRow {
+  int64_t width = 0, height = 0, y = 0, pitch = 0;
+  const float *surfaces = nullptr, *flow = nullptr, *slopes = nullptr, *signals = nullptr;  // of the row
+  PlaneView surfaces_before, light_before, moments_before;  // null where nothing is remembered
+  const float* bounds =
+      nullptr;  // least and most history, a pair of planes for each of the signals' planes; or null
+  float *light = nullptr, *moments = nullptr;
+  float* missing = nullptr;  // set to 1 where no bilinear tap will do, else 0
+  HistoryTest test;
+  HistoryBlend blend;
+};
+
+/// The history of each pixel at p' = p + flow from its bilinear taps, blended with the new frame
+/// (filters/svgf.h, accumulate()). Pixels without one start anew.
+void svgf_accumulate_row(const AccumulateRow& row, int signals);
+
+}  // namespace ld

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/error.h"
+#include "filters/kernels/luminance.h"
+#include "filters/kernels/svgf_accumulate.h"
+#include "filters/svgf.h"
+#include "runtime/parallel.h"
+
+namespace ld {
+namespace {
+
+/// Least and most history of the pixels of a row: mean +- deviations of the surfaces' pixels among the 5x5
+/// around each, a pair of planes for each plane of the signals. The pixel's own value is always within, so
+/// that steady light of a small surface before a brighter one stays.
+class HistoryBounds {
+ public:
+  void fill(const Surfaces& surfaces, const RowPlanes& signals, int64_t y, float deviations) {
+    const int64_t pitch = signals.pitch();
+    const int width = surfaces.width(), planes = signals.planes();
+    // Sums of five rows, then of five columns. The margins stay 0.
+    columns_.assign(size_t(3 * pitch), 0.0F);
+    bounds_.resize(size_t(2 * planes * pitch));
+    float *const counts = columns_.data() + RowPlanes::kMargin, *const sums = counts + pitch,
+                 *const squares = sums + pitch;
+    const int64_t first = std::max<int64_t>(y - 2, 0), last = std::min<int64_t>(y + 2, surfaces.height() - 1);
+    for (int64_t v = first; v <= last; ++v) {
+      const float* const id = surfaces.of.row(v, kId);
+      for (int x = 0; x < width; ++x) counts[x] += id[x] == id[x] ? 1.0F : 0.0F;
+    }
+    for (int p = 0; p < planes; ++p) {
+      std::fill_n(sums, width, 0.0F);
+      std::fill_n(squares, width, 0.0F);
+      for (int64_t v = first; v <= last; ++v) {
+        const float *const id = surfaces.of.row(v, kId), *const signal = signals.row(v, p);
+        for (int x = 0; x < width; ++x) {
+          const float bounded = std::min(std::max(signal[x], -kLargestMoment), kLargestMoment);
+          const float s = id[x] == id[x] ? bounded : 0.0F;
+          sums[x] += s;
+          squares[x] += s * s;
+        }
+      }
+      float *const least = bounds_.data() + 2 * p * pitch, *const most = least + pitch;
+      const float* const own = signals.row(y, p);
+      for (int x = 0; x < width; ++x) {
+        const auto five = [x](const float* a) { return a[x - 2] + a[x - 1] + a[x] + a[x + 1] + a[x + 2]; };
+        const float share = 1 / std::max(five(counts), 1.0F), mean = five(sums) * share;
+        const float reach = deviations * std::sqrt(std::max(five(squares) * share - mean * mean, 0.0F));
+        least[x] = std::min(mean - reach, own[x]);
+        most[x] = std::max(mean + reach, own[x]);
+      }
+    }
+  }
+  const float* data() const { return bounds_.data(); }
+
+ private:
+  std::vector<float> columns_, bounds_;
+};
+
+/// The pixels among the 3x3 around p' that show the surface of pixel (x, y).
+struct Neighbours {
+  int count = 0;
+  std::array<int64_t, 9> x{}, y{};
+
+  Neighbours(const Surfaces& now, const RowPlanes& slopes, const Surfaces& before, const HistoryTest& test,
+             int64_t px, int64_t py) {
+    const float* const here = now.of.row(py) + px;
+    const int64_t pitch = now.of.pitch();
+    const float depth = here[kDepth * pitch] + now.flow.at(px, py, 2);
+    const float slope = std::max(std::abs(slopes.at(px, py, 0)), std::abs(slopes.at(px, py, 1)));
+    const float tolerance = test.depth_slopes * slope + test.depth_least;
+    const auto u = int64_t(std::floor(float(px) + now.flow.at(px, py, 0) + 0.5F)),
+               v = int64_t(std::floor(float(py) + now.flow.at(px, py, 1) + 0.5F));
+    for (int64_t t = std::max<int64_t>(v - 1, 0); t <= std::min<int64_t>(v + 1, before.height() - 1); ++t)
+      for (int64_t s = std::max<int64_t>(u - 1, 0); s <= std::min<int64_t>(u + 1, before.width() - 1); ++s) {
+        const float* const there = before.of.row(t) + s;
+        float cosine = 0;
+        for (int c = kNormalX; c <= kNormalZ; ++c) cosine += here[c * pitch] * there[c * pitch];
+        if (there[kId * pitch] != here[kId * pitch] || cosine < test.least_cosine ||
+            !(std::abs(there[kDepth * pitch] - depth) <= tolerance))
+          continue;
+        x[size_t(count)] = s;
+        y[size_t(count++)] = t;
+      }
+  }
+
+  template <class Value>
+  float mean(const Value& value) const {
+    float sum = 0;
+    for (int i = 0; i < count; ++i) sum += value(x[size_t(i)], y[size_t(i)]);
+    return sum / float(count);
+  }
+  float mean(const RowPlanes& planes, int plane) const {
+    return mean([&](int64_t u, int64_t v) { return planes.at(u, v, plane); });
+  }
+  float least(const RowPlanes& planes, int plane) const {
+    float smallest = planes.at(x[0], y[0], plane);
+    for (int i = 1; i < count; ++i)
+      smallest = std::min(smallest, planes.at(x[size_t(i)], y[size_t(i)], plane));
+    return smallest;
+  }
+};
+
+/// svgf_accumulate_row() for one pixel whose history are these neighbours.
+void accumulate_pixel(const Neighbours& neighbours, const SvgfState& previous, const AccumulateRow& row,
+                      int64_t x, int signals) {
+  const float length = std::min(neighbours.least(previous.moments, 2 * signals) + 1, row.blend.longest);
+  row.moments[2 * signals * row.pitch + x] = length;
+  const float share = std::max(row.blend.alpha, 1 / length),
+              share_moments = std::max(row.blend.alpha_moments, 1 / length);
+  for (int s = 0; s < signals; ++s) {
+    for (int c = 0; c < 3; ++c) {
+      float history = neighbours.mean(previous.light, 4 * s + c);
+      if (row.bounds != nullptr) {
+        const float* const bounds = row.bounds + 2 * (3 * s + c) * row.pitch + x;
+        history = std::min(std::max(history, bounds[0]), bounds[row.pitch]);
+      }
+      float& light = row.light[(4 * s + c) * row.pitch + x];  // that of the new frame
+      light = share * light + (1 - share) * history;
+    }
+    float* const moments = row.moments + 2 * s * row.pitch + x;
+    const float m1 = neighbours.mean(previous.moments, 2 * s), step = moments[0] - m1;
+    const float variance = neighbours.mean([&](int64_t u, int64_t v) {
+      const float difference = previous.moments.at(u, v, 2 * s) - m1;
+      return previous.moments.at(u, v, 2 * s + 1) + difference * difference;
+    });
+    moments[0] = m1 + share_moments * step;
+    moments[row.pitch] = (1 - share_moments) * (variance + share_moments * (step * step));
+  }
+}
+
+PlaneView view_of(const RowPlanes& planes) {
+  return {planes.row(0), planes.row_pitch(), planes.pitch()};
+}
+
+}  // namespace
+
+void accumulate(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlanes& signals,
+                const SvgfState& previous, const SvgfSettings& settings, RowPlanes& light, RowPlanes& moments,
+                int threads) {
+  const int width = surfaces.width(), height = surfaces.height(), count = signals.planes() / 3;
+  if (surfaces.of.floats() > std::numeric_limits<int32_t>::max())
+    fail("svgf takes frames of up to 250 megapixels, but this one has {}x{}", width, height);
+  resize(light, width, height, 4 * count);
+  resize(moments, width, height, 2 * count + 1);
+  const bool remembers = surfaces.has_flow && !previous.empty();
+  parallel_for(threads, height, [&](int64_t y, int) {
+    AccumulateRow row;
+    row.width = width;
+    row.height = height;
+    row.y = y;
+    row.pitch = signals.pitch();
+    row.signals = signals.row(y);
+    row.light = light.row(y);
+    row.moments = moments.row(y);
+    if (!remembers) return svgf_accumulate_row(row, count);
+
+    row.surfaces = surfaces.of.row(y);
+    row.flow = surfaces.flow.row(y);
+    row.slopes = slopes.row(y);
+    row.surfaces_before = view_of(previous.surfaces.of);
+    row.light_before = view_of(previous.light);
+    row.moments_before = view_of(previous.moments);
+    row.test = {float(settings.history_depth),
+                float(settings.history_depth) * (10 * kReprojectionDepthFloor) * surfaces.unit,
+                float(settings.history_normal)};
+    row.blend = {float(settings.alpha), float(settings.alpha_moments), float(settings.longest_history)};
+    HistoryBounds bounds;
+    if (settings.antilag == "clip") {
+      bounds.fill(surfaces, signals, y, float(settings.clip_deviations));
+      row.bounds = bounds.data();
+    }
+    std::vector<float> missing(size_t(row.pitch));
+    row.missing = missing.data();
+    svgf_accumulate_row(row, count);
+    for (int64_t x = 0; x < width; ++x) {
+      if (missing[size_t(x)] == 0) continue;
+      const Neighbours neighbours(surfaces, slopes, previous.surfaces, row.test, x, y);
+      if (neighbours.count > 0) accumulate_pixel(neighbours, previous, row, x, count);
+    }
+  });
+}
+
+}  // namespace ld
