@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <type_traits>
 #include <variant>
 
 #include "core/error.h"
-#include "ops/kernels/constants.h"
 #include "runtime/arena.h"
 #include "runtime/denormals.h"
-#include "runtime/frame_exposure.h"
-#include "runtime/parallel.h"
+#include "runtime/sample_source.h"
 #include "runtime/step.h"
 #include "runtime/tile_unit.h"
 
@@ -21,26 +18,7 @@ using graph::ValueId;
 
 namespace {
 
-// Above this the sums of filters could overflow (ops/finite_sources.h): demodulated radiance is up to 50
-// times as large.
-constexpr float kLargestRadiance = 1e32f / 50;
-
 constexpr double kProgressSteps = 64;
-
-/// What the values of planes plane_of(0) to plane_of(count - 1) are scaled by.
-template <class PlaneOf>
-float filter_scale(const Frame& frame, int threads, int64_t count, const PlaneOf& plane_of) {
-  std::vector<float> largest(size_t(count), 0.0f);
-  parallel_for(threads, count, [&](int64_t i, int) {
-    const float* plane = plane_of(i);
-    float most = 0;
-    for (size_t p = 0; p < frame.plane_size(); ++p) most = std::max(most, std::fabs(plane[p]));
-    largest[size_t(i)] = most;
-  });
-  const bool large =
-      std::any_of(largest.begin(), largest.end(), [](float v) { return v > kLargestRadiance; });
-  return large ? float(kOverflowScale) : 1.0f;
-}
 
 /// Enough pixels for the threads, and so few rows that they stay in the caches: every operator on the way
 /// through the U-net keeps a block waiting.
@@ -123,26 +101,17 @@ struct Execution::State {
                                tile_pixels(context.graph, unit, context.picture));
   }
 
-  void begin(const Frame& frame) {
-    const PictureExtent& picture = context.picture;
-    if (frame.width != picture.width || frame.height != picture.height || frame.spp != picture.samples)
-      fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", frame.width, frame.height,
-           frame.spp, picture.width, picture.height, picture.samples);
-    if (!(frame.info.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
-    const graph::LightParts& parts = context.graph.parts;
-    if (int64_t(frame.parts.size()) < parts.colours || (parts.alpha && frame.alpha.empty()))
-      fail("a frame of {} light parts{}; expected {}{}", frame.parts.size(),
-           frame.alpha.empty() ? " without alpha" : "", parts.colours, parts.alpha ? " and alpha" : "");
-    context.frame = &frame;
-    context.value_scale = filter_scale(frame, context.threads, int64_t(frame.spp) * 3, [&](int64_t i) {
-      return frame.plane(int(i / 3), kRadianceOffset + int(i % 3));
-    });
-    // By itself, so that no part changes the picture.
-    context.part_scale = filter_scale(frame, context.threads, parts.colours * frame.spp * 3, [&](int64_t i) {
-      const int64_t plane = i / parts.colours;
-      return frame.part_plane(size_t(i % parts.colours), int(plane / 3), int(plane % 3));
-    });
-    if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
+  void begin(SampleSource& source) {
+    const PictureExtent &picture = context.picture, given = source.extent();
+    if (!(given == picture))
+      fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", given.width, given.height,
+           given.samples, picture.width, picture.height, picture.samples);
+    if (!(source.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
+    const graph::LightParts &parts = context.graph.parts, held = source.parts();
+    if (held.colours < parts.colours || (parts.alpha && !held.alpha))
+      fail("a frame of {} light parts{}; expected {}{}", held.colours, held.alpha ? "" : " without alpha",
+           parts.colours, parts.alpha ? " and alpha" : "");
+    context.source = &source;
     context.seconds.assign(context.graph.nodes.size(), 0);
     for (const auto& step : steps) step->start();
   }
@@ -157,6 +126,23 @@ struct Execution::State {
     if (!made) return;
     for (const ValueId value : schedule.units()[unit].outputs)
       made(value, context.windows[value], begin, end);
+  }
+
+  /// Makes all rows, and hands out those of the outputs.
+  void walk(SampleSource& source, const Progress& progress, const Rows& rows) {
+    begin(source);
+    double done = 0, told = 0;
+    schedule.walk(
+        [&](size_t unit, int64_t begin, int64_t end) {
+          run(unit, begin, end);
+          done += double(end - begin) * row_work[unit];
+          const double share = std::min(done / work, 1.0);
+          if (!progress || share - told < 1 / kProgressSteps) return;
+          told = share;
+          progress(share);
+        },
+        rows);
+    if (progress && told < 1) progress(1);
   }
 };
 
@@ -197,19 +183,14 @@ const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
 
 void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows) {
   const FlushedDenormals flushed(state_->context.threads);
-  state_->begin(frame);
-  double done = 0, told = 0;
-  state_->schedule.walk(
-      [&](size_t unit, int64_t begin, int64_t end) {
-        state_->run(unit, begin, end);
-        done += double(end - begin) * state_->row_work[unit];
-        const double share = std::min(done / state_->work, 1.0);
-        if (!progress || share - told < 1 / kProgressSteps) return;
-        told = share;
-        progress(share);
-      },
-      rows);
-  if (progress && told < 1) progress(1);
+  FrameSource source(frame, state_->context.graph, state_->context.threads);
+  state_->walk(source, progress, rows);
+}
+
+void Execution::run(const SampleArrays& arrays, const Progress& progress, const Rows& rows) {
+  const FlushedDenormals flushed(state_->context.threads);
+  ArraySource source(arrays, state_->context.graph, state_->context.threads);
+  state_->walk(source, progress, rows);
 }
 
 std::vector<Image> Execution::run(const Frame& frame, const Progress& progress) {

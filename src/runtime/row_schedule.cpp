@@ -1,6 +1,7 @@
 #include "runtime/row_schedule.h"
 
 #include <algorithm>
+#include <variant>
 
 namespace ld {
 
@@ -42,7 +43,9 @@ struct RowSchedule::Walk {
   void advance(size_t index, int64_t end) {
     const Unit& unit = schedule.units_[index];
     const ValueId output = unit.outputs[0];
-    const int64_t step = std::max<int64_t>(schedule.block_ >> schedule.graph_[output].level, 1);
+    // Convolutions make rows in pairs (ops/kernels/winograd.h), and would throw away every other one.
+    const bool pairs = std::holds_alternative<graph::Convolution>(unit.reach(schedule.graph_));
+    const int64_t step = std::max<int64_t>(schedule.block_ >> schedule.graph_[output].level, pairs ? 2 : 1);
     end = std::min(end, schedule.extents_[output].height);
     while (made[index] < end) {
       const int64_t next = std::min(made[index] + step, schedule.extents_[output].height);

@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "frame/frame.h"
 #include "graph/graph.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
+#include "runtime/sample_source.h"
 #include "weights/named_weights.h"
 
 namespace ld {
@@ -43,10 +43,7 @@ struct StepContext {
   std::vector<RowWindow> windows;  // of each value
 
   // Of the frame that runs.
-  const Frame* frame = nullptr;
-  double exposure = 1;  // of radiance as the network sees it, where the graph says so
-  // Of radiance, and of parts of it, in filters, whose sums could overflow (ops/finite_sources.h).
-  float value_scale = 1, part_scale = 1;
+  SampleSource* source = nullptr;
   std::vector<double> seconds = {};  // that each node has taken so far
 
   const RowWindow& input(const graph::Node& node, size_t i) const { return windows[node.inputs[i]]; }

@@ -146,7 +146,7 @@ class SplatStep : public Step {
 
   bool is_part(int64_t channel) const { return channel >= main_ && channel < main_ + parts_; }
   float scale_of(int64_t channel) const {
-    return is_part(channel) ? context_.part_scale : context_.value_scale;
+    return is_part(channel) ? context_.source->light.part_scale : context_.source->light.value_scale;
   }
 
   /// A pixel's layer whose values or weight are not finite sends nothing (ops/finite_sources.h). Parts have

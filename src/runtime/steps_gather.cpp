@@ -59,7 +59,7 @@ class GatheringStep : public Step {
 
  private:
   float scale_of(int64_t channel) const {
-    return channel < main_ ? context_.value_scale : context_.part_scale;
+    return channel < main_ ? context_.source->light.value_scale : context_.source->light.part_scale;
   }
 
   /// Row y of the sources; a pixel whose values or weight are not finite gives nothing

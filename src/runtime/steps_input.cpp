@@ -5,7 +5,6 @@
 #include "models/network_numbers.h"
 #include "ops/kernels/sample_tile.h"
 #include "ops/kernels/tone_map_row.h"
-#include "runtime/frame_exposure.h"
 #include "runtime/tile_step.h"
 
 namespace ld {
@@ -24,7 +23,7 @@ class EncodeStep : public TileStep {
   }
 
   void make(const PixelTile& tile) override {
-    for (int s = 0; s < context_.frame->spp; ++s) encode_sample(tile, s);
+    for (int s = 0; s < int(context_.picture.samples); ++s) encode_sample(tile, s);
   }
 
  private:
@@ -34,36 +33,35 @@ class EncodeStep : public TileStep {
   };
 
   void encode_sample(const PixelTile& tile, int s) const {
-    const Frame& frame = *context_.frame;
-    const int64_t offset = tile.y * frame.width + tile.x;
-    const uint8_t* drawn = frame.valid_plane(s) + offset;
+    const SampleStretch from = context_.source->read(s, tile);
     float* valid = valid_.at(tile, s).data;
+    const uint8_t* drawn = from.valid();
     for (int64_t x = 0; x < tile.count; ++x) valid[x] = drawn[x] != 0 ? 1.0f : 0.0f;
     const graph::LightParts& parts = context_.graph.parts;
     int64_t light = s * (3 + parts.channels());
-    const auto add_light = [&](const float* plane) {
-      std::copy_n(plane + offset, tile.count, radiance_.at(tile, light++).data);
+    const auto add_light = [&](const float* values) {
+      std::copy_n(values, tile.count, radiance_.at(tile, light++).data);
     };
-    for (int c = 0; c < 3; ++c) add_light(frame.plane(s, kRadianceOffset + c));
+    for (int c = 0; c < 3; ++c) add_light(from.plane(kRadianceOffset + c));
     for (size_t part = 0; part < size_t(parts.colours); ++part)
-      for (int c = 0; c < 3; ++c) add_light(frame.part_plane(part, s, c));
-    if (parts.alpha) add_light(frame.alpha.data() + size_t(s) * frame.plane_size());
+      for (int c = 0; c < 3; ++c) add_light(from.part(part, c));
+    if (parts.alpha) add_light(from.alpha());
     const auto count = int64_t(channels_.size());
     for (int64_t c = 0; c < count; ++c) {
       float* out = features_.at(tile, s * count + c).data;
       const Channel& channel = channels_[size_t(c)];
-      const float* values = frame.plane(s, channel.place) + offset;
+      const float* values = from.plane(channel.place);
       if (channel.feature->encoding == Encoding::tone_map)
         encode_radiance(values, out, tile.count);
       else
-        encode(*channel.feature, frame.info.depth_scale, values, out, size_t(tile.count));
+        encode(*channel.feature, context_.source->depth_scale, values, out, size_t(tile.count));
     }
     mask_planes(features_.at(tile, s * count), count, valid, padded(tile.count));
   }
 
   void encode_radiance(const float* values, float* out, int64_t count) const {
     if (context_.graph.exposed) {
-      expose_row(values, context_.exposure, out, count);
+      expose_row(values, context_.source->light.exposure, out, count);
       values = out;
     }
     tone_map_row(values, out, count);

@@ -4,7 +4,6 @@
 
 #include "ops/kernels/sample_tile.h"
 #include "ops/kernels/tone_map_row.h"
-#include "runtime/frame_exposure.h"
 #include "runtime/tile_step.h"
 
 namespace ld {
@@ -82,7 +81,7 @@ std::unique_ptr<TileStep> make_step(const graph::ToneMapped& op, const graph::No
       std::copy_n(values.at(tile, c).data, tile.count, out.at(tile, c).data);
     for (int64_t c = 0; c < 3; ++c) {
       float* tone = out.at(tile, op.first + c).data;
-      expose_row(radiance.at(tile, c).data, context.exposure, tone, tile.count);
+      expose_row(radiance.at(tile, c).data, context.source->light.exposure, tone, tile.count);
       tone_map_row(tone, tone, tile.count);
     }
     mask_planes(out.at(tile, op.first), 3, valid.at(tile).data, padded(tile.count));
