@@ -2,21 +2,16 @@
 
 #include <algorithm>
 
+#include "frame/colour_rows.h"
+
 namespace ld {
 namespace {
 
 /// Planes [channels], `pitch` floats apart.
 void copy_planes(const float* from, const StridedArray& strides, int channels, size_t count, float* to,
                  size_t pitch) {
-  if (channels == 3 && strides.channel == 1 && strides.pixel == 3) {  // the rule
-    float *const red = to, *const green = to + pitch, *const blue = to + 2 * pitch;
-    for (size_t x = 0; x < count; ++x) {
-      red[x] = from[3 * x];
-      green[x] = from[3 * x + 1];
-      blue[x] = from[3 * x + 2];
-    }
-    return;
-  }
+  if (channels == 3 && strides.channel == 1 && strides.pixel == 3)  // the rule
+    return split_colours(from, count, {to, to + pitch, to + 2 * pitch});
   for (int c = 0; c < channels; ++c, from += strides.channel, to += pitch)
     if (strides.pixel == 1)
       std::copy_n(from, count, to);
