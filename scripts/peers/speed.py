@@ -41,8 +41,8 @@ def resized(frame, width, height):
     """The features of a size, contiguous."""
     _, rows, columns, _ = frame.samples["radiance"].shape
     tiles = (1, -(-height // rows), -(-width // columns), 1)
-    return {name: np.ascontiguousarray(np.tile(array[:, :height, :width], tiles)[:, :height, :width])
-            for name, array in frame.samples.items()}
+    repeated = (lambda array: array) if max(tiles) == 1 else (lambda array: np.tile(array, tiles))
+    return {name: np.ascontiguousarray(repeated(array)[:, :height, :width]) for name, array in frame.samples.items()}
 
 
 class Ours:

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "frame/sample_arrays.h"
-#include "graph/graph.h"
+#include "graph/extent.h"
 #include "runtime/row_window.h"
 
 namespace ld {
