@@ -11,7 +11,7 @@ packages=(
   libtorch-dev
   libopenblas0-openmp        # with the reference BLAS everything is 40 times slower
   libopenblas-openmp-dev     # or others would bring the one with threads of its own, which fights with OpenMP's
-  libopenexr-dev libpng-dev libopenimageio-dev openimageio-tools
+  libopenexr-dev libdeflate-dev libpng-dev libopenimageio-dev openimageio-tools
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
   libembree-dev libassimp-dev
   libhdf5-dev                # optional: without it ld_import reads and writes no HDF5

@@ -108,14 +108,14 @@ FrameBuffers buffers_of(const PythonSamples& samples, std::vector<Pixels>& pixel
   return buffers;
 }
 
-Frame frame_of(const FrameBuffers& buffers, const Denoiser& denoiser, float depth_scale, int threads) {
-  Frame frame = buffers.gather(denoiser.network_config().features, denoiser.features(), threads);
-  if (depth_scale > 0) frame.info.depth_scale = depth_scale;
-  if (std::all_of(frame.valid.begin(), frame.valid.end(), [](uint8_t drawn) { return drawn == 0; }))
+SampleArrays arrays_of(const FrameBuffers& buffers, const Denoiser& denoiser, float depth_scale) {
+  SampleArrays arrays = buffers.arrays(denoiser.network_config().features, denoiser.features());
+  arrays.depth_scale = depth_scale;
+  if (!arrays.any_valid())
     fail_usage(
         "nothing to see: every sample of every pixel is NaN or infinite in its radiance, or not valid; "
         "expected one sample at least");
-  return frame;
+  return arrays;
 }
 
 }  // namespace
@@ -144,8 +144,8 @@ std::vector<PictureArray> PythonDenoiser::denoise(const PythonSamples& samples,
   {
     const nb::gil_scoped_release unlocked;
     const FloatingPointGuard settings;
-    const Frame frame = frame_of(buffers, denoiser_, how.depth_scale, options.threads);
-    const DenoisedParts denoised = denoiser_.denoise_parts(frame, !frame.alpha.empty(), options);
+    const DenoisedParts denoised =
+        denoiser_.denoise_parts(arrays_of(buffers, denoiser_, how.depth_scale), options);
     const LdStrides interleaved = pixels[0].strides();
     scatter(denoised.picture, pixels[0].memory.get(), &interleaved, options.threads);
     buffers.scatter_parts(denoised, options.threads);

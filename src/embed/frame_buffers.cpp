@@ -1,7 +1,5 @@
 #include "embed/frame_buffers.h"
 
-#include <algorithm>
-
 #include "core/error.h"
 #include "core/threads.h"
 
@@ -12,6 +10,10 @@ namespace {
 LdStrides planar(int width, int height, int channels) {
   const ptrdiff_t row = width, plane = row * height;
   return {channels * plane, plane, row, 1};
+}
+
+SampleArray array_of(const float* data, const LdStrides& strides) {
+  return {data, strides.sample, strides.channel, strides.row, strides.pixel};
 }
 
 }  // namespace
@@ -37,7 +39,7 @@ void FrameBuffers::set_feature(const std::string& name, const float* data, const
   if (width_ == 0)
     fail_usage("feature '{}' was set before the size of the frame; call ld_set_size first", name);
   if (data == nullptr) fail_usage("the buffer of feature '{}' is a null pointer", name);
-  features_[name] = {data, strides != nullptr ? *strides : planar(width_, height_, feature.channels)};
+  features_[name] = array_of(data, strides != nullptr ? *strides : planar(width_, height_, feature.channels));
 }
 
 FrameBuffers::Part FrameBuffers::part_of(const char* what, int channels, const float* samples,
@@ -47,8 +49,7 @@ FrameBuffers::Part FrameBuffers::part_of(const char* what, int channels, const f
   if (samples == nullptr) fail_usage("the samples of {} are a null pointer", what);
   if (picture == nullptr) fail_usage("the picture to write of {} is a null pointer", what);
   const LdStrides planes = planar(width_, height_, channels);
-  return {{samples, strides != nullptr ? *strides : planes},
-          picture,
+  return {array_of(samples, strides != nullptr ? *strides : planes), picture,
           picture_strides != nullptr ? *picture_strides : planes};
 }
 
@@ -64,50 +65,38 @@ void FrameBuffers::set_alpha(const float* samples, const LdStrides* strides, flo
   alpha_ = part_of("alpha", 1, samples, strides, picture, picture_strides);
 }
 
-Frame FrameBuffers::gather(const std::vector<std::string>& features, const std::vector<std::string>& required,
-                           int threads) const {
+SampleArrays FrameBuffers::arrays(const std::vector<std::string>& features,
+                                  const std::vector<std::string>& required) const {
   if (width_ == 0) fail_usage("the frame has no size; call ld_set_size first");
   for (const std::string& name : required)
     if (features_.count(name) == 0)
       fail_usage("feature '{}' has no buffer; these weights read it, set it with ld_set_feature", name);
-  Frame frame(width_, height_, spp_, frame_channels(features));
-  frame.features.clear();
+  SampleArrays arrays;
+  arrays.width = width_;
+  arrays.height = height_;
+  arrays.spp = spp_;
   for (const std::string& name : features)
-    if (features_.count(name) > 0) frame.features.push_back(name);
-  if (valid_ != nullptr)
-    std::transform(valid_, valid_ + frame.valid.size(), frame.valid.begin(),
-                   [](uint8_t drawn) { return uint8_t(drawn != 0); });
-  const int64_t row = width_;
-  const auto copy_row = [&](const Buffer& buffer, int s, int c, int y, float* plane) {
-    const auto& [data, strides] = buffer;
-    const float* from = data + s * strides.sample + c * strides.channel + y * strides.row;
-    float* out = plane + y * row;
-    for (int x = 0; x < width_; ++x) out[x] = from[x * strides.pixel];
-  };
-  for (size_t part = 0; part < parts_.size(); ++part) frame.add_part("");
-  if (alpha_) frame.alpha.resize(frame.valid.size());
-  // A row at a time stays in the cache, where the channels of a pixel may lie side by side.
-  parallel_for(int64_t(spp_) * height_, threads, [&](int64_t i) {
-    const int s = int(i / height_), y = int(i % height_);
-    for (const std::string& name : frame.features) {
-      const Feature& feature = find_feature(name);
-      for (int c = 0; c < feature.channels; ++c)
-        copy_row(features_.at(name), s, c, y, frame.plane(s, feature.offset + c));
-    }
-    for (size_t part = 0; part < parts_.size(); ++part)
-      for (int c = 0; c < 3; ++c) copy_row(parts_[part].samples, s, c, y, frame.part_plane(part, s, c));
-    if (alpha_) copy_row(alpha_->samples, s, 0, y, frame.alpha.data() + size_t(s) * frame.plane_size());
-    Faults faults;
-    sanitise(frame, s, size_t(y) * size_t(width_), size_t(width_), faults);
-  });
-  frame.info.depth_scale = median_depth(frame, threads);
-  return frame;
+    if (features_.count(name) > 0) arrays.features.push_back({&find_feature(name), features_.at(name)});
+  for (const Part& part : parts_) arrays.parts.push_back(part.samples);
+  if (alpha_) arrays.alpha = alpha_->samples;
+  arrays.valid = valid_;
+  return arrays;
 }
 
 void FrameBuffers::scatter_parts(const DenoisedParts& denoised, int threads) const {
   for (size_t part = 0; part < parts_.size(); ++part)
     scatter(denoised.parts[part], parts_[part].picture, &parts_[part].picture_strides, threads);
   if (alpha_) scatter(denoised.alpha, alpha_->picture, &alpha_->picture_strides, threads);
+}
+
+Frame gather(const SampleArrays& arrays, int threads) {
+  Frame frame = arrays.make_frame(arrays.width, arrays.height, arrays.spp);
+  parallel_for(int64_t(arrays.spp) * arrays.height, threads, [&](int64_t i) {
+    const int s = int(i / arrays.height), y = int(i % arrays.height);
+    arrays.copy({s, y, 0, arrays.width}, frame, s, size_t(y) * size_t(arrays.width));
+  });
+  frame.info.depth_scale = median_depth(frame, threads);
+  return frame;
 }
 
 void scatter(const Image& picture, float* data, const LdStrides* strides, int threads) {

@@ -1,4 +1,4 @@
-// The caller's buffers, on their way to a frame.
+// The caller's buffers.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "frame/frame.h"
+#include "frame/sample_arrays.h"
 #include "inference/denoiser.h"
 #include "layered_denoiser/layered_denoiser.h"
 
@@ -30,33 +30,32 @@ class FrameBuffers {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// A frame with those of `features` that were set, and all parts, sanitised. Throws UsageError when a
-  /// required one was not, naming it.
-  Frame gather(const std::vector<std::string>& features, const std::vector<std::string>& required,
-               int threads) const;
+  /// Those of `features` that were set, and all parts, where they lie. Throws UsageError when a required one
+  /// was not, naming it.
+  SampleArrays arrays(const std::vector<std::string>& features,
+                      const std::vector<std::string>& required) const;
 
   /// Writes the filtered parts, and alpha, to where they go.
   void scatter_parts(const DenoisedParts& denoised, int threads) const;
 
  private:
-  struct Buffer {
-    const float* data;
-    LdStrides strides;
-  };
   /// In and out.
   struct Part {
-    Buffer samples;
+    SampleArray samples;
     float* picture;
     LdStrides picture_strides;
   };
   Part part_of(const char* what, int channels, const float* samples, const LdStrides* strides, float* picture,
                const LdStrides* picture_strides) const;
   int width_ = 0, height_ = 0, spp_ = 0;
-  std::map<std::string, Buffer> features_;
+  std::map<std::string, SampleArray> features_;
   std::vector<Part> parts_;
   std::optional<Part> alpha_;
   const uint8_t* valid_ = nullptr;
 };
+
+/// A frame of such, sanitised, with a depth scale.
+Frame gather(const SampleArrays& arrays, int threads);
 
 /// Writes a picture [C, H, W] to the caller's memory.
 void scatter(const Image& picture, float* data, const LdStrides* strides, int threads);

@@ -75,11 +75,12 @@ std::optional<ld::Matrix4> matrix_of(const float* values) {
   return matrix;
 }
 
-/// The picture of a frame, and its parts; a filter takes it for the next one of its sequence.
-ld::DenoisedParts denoised(LdDenoiser& denoiser, ld::Frame& frame) {
-  if (denoiser.model) return denoiser.model->denoise_parts(frame, !frame.alpha.empty(), denoiser.options);
-  if (!frame.parts.empty() || !frame.alpha.empty())
+/// The picture and its parts; a filter takes it for the next one of its sequence.
+ld::DenoisedParts denoised(LdDenoiser& denoiser, const ld::SampleArrays& arrays) {
+  if (denoiser.model) return denoiser.model->denoise_parts(arrays, denoiser.options);
+  if (!arrays.parts.empty() || arrays.alpha)
     ld::fail_usage("parts of the light and alpha go with models; ld_create_filter makes none");
+  ld::Frame frame = ld::gather(arrays, denoiser.options.threads);
   frame.info.world_to_camera = denoiser.world_to_camera;
   frame.info.world_to_ndc = denoiser.world_to_ndc;
   denoiser.state.advance(ld::SequencePlace{0, denoiser.position}, frame.width, frame.height);
@@ -229,8 +230,8 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
   return guarded([&] {
     denoiser->options.threads = threads();
     denoiser->cancelled = false;
-    ld::Frame frame = denoiser->buffers.gather(denoiser->features, denoiser->required, threads());
-    const ld::DenoisedParts result = denoised(*denoiser, frame);
+    const ld::DenoisedParts result =
+        denoised(*denoiser, denoiser->buffers.arrays(denoiser->features, denoiser->required));
     ld::scatter(result.picture, picture, strides, threads());
     denoiser->buffers.scatter_parts(result, threads());
   });

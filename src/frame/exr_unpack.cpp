@@ -1,12 +1,13 @@
 #include "frame/exr_unpack.h"
 
 #include <fcntl.h>
+#include <libdeflate.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 
 #include "core/error.h"
 #include "frame/exr_reader.h"
@@ -25,10 +26,24 @@ struct UnpackedPlane {
   float* pixels;
 };
 
-/// Bytes of a chunk, which zlib's stream may have left in two halves: low bytes of words, then high ones.
+/// Bytes of a chunk, which deflated chunks have in two halves: low bytes of words, then high ones.
 struct ChunkBytes {
   const uint8_t *low, *high;
   size_t step;  // from word to word
+};
+
+/// A thread's memory for the chunks of a band.
+struct ChunkMemory {
+  std::vector<uint8_t> packed, unpacked;
+  std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> decompressor{
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor};
+
+  /// Whether `packed` holds exactly as many bytes as `unpacked` has.
+  bool unpack() {
+    if (!decompressor) throw std::bad_alloc();
+    return libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), unpacked.data(),
+                                      unpacked.size(), nullptr) == LIBDEFLATE_SUCCESS;
+  }
 };
 
 class Unpacker : public ExrUnpacker {
@@ -53,9 +68,9 @@ class Unpacker : public ExrUnpacker {
 
   std::pair<int, int> read(int band) const override {
     const int top = band * band_rows_, bottom = std::min(top + band_rows_, height_);
-    std::vector<uint8_t> packed, unpacked;
+    ChunkMemory memory;
     for (int y = top; y < bottom; y += chunk_height_)
-      for (int column = 0; column < across_; ++column) read_chunk(y, column, packed, unpacked);
+      for (int column = 0; column < across_; ++column) read_chunk(y, column, memory);
     return {top, bottom - top};
   }
 
@@ -72,7 +87,7 @@ class Unpacker : public ExrUnpacker {
   /// Reads what stands before the bytes of a chunk, and then these. A chunk begins with its part in files of
   /// several, then its tile and level or its first line, then its size.
   void read_packed(int y, int column, size_t chunk, size_t most, std::vector<uint8_t>& packed) const;
-  void read_chunk(int y, int column, std::vector<uint8_t>& packed, std::vector<uint8_t>& unpacked) const;
+  void read_chunk(int y, int column, ChunkMemory& memory) const;
   void spread(int x, int y, int columns, int rows, const ChunkBytes& bytes) const;
 
   const ExrFile& file_;
@@ -103,25 +118,22 @@ void Unpacker::read_packed(int y, int column, size_t chunk, size_t most, std::ve
   read_bytes(chunk, packed.data(), packed.size(), offsets_[chunk] + numbers * sizeof *head);
 }
 
-void Unpacker::read_chunk(int y, int column, std::vector<uint8_t>& packed,
-                          std::vector<uint8_t>& unpacked) const {
+void Unpacker::read_chunk(int y, int column, ChunkMemory& memory) const {
   const int x = column * chunk_width_;
   const int columns = std::min(chunk_width_, width_ - x), rows = std::min(chunk_height_, height_ - y);
   const size_t size = static_cast<size_t>(columns) * static_cast<size_t>(rows) * words_ * 2;
   const int index = y / chunk_height_ * across_ + column;
   const auto chunk = static_cast<size_t>(index);
-  read_packed(y, column, chunk, size, packed);
+  const std::vector<uint8_t>&packed = memory.packed, &unpacked = memory.unpacked;
+  read_packed(y, column, chunk, size, memory.packed);
   if (packed.size() == size) {  // what does not shrink is stored as it is
     spread(x, y, columns, rows, {packed.data(), packed.data() + 1, 2});
     return;
   }
-  unpacked.resize(size);
-  auto unpacked_size = static_cast<uLongf>(size);
-  if (header_.compression == kNone ||
-      uncompress(unpacked.data(), &unpacked_size, packed.data(), packed.size()) != Z_OK ||
-      unpacked_size != size)
+  memory.unpacked.resize(size);
+  if (header_.compression == kNone || !memory.unpack())
     fail_damaged(chunk, "does not hold the pixels that the header promises");
-  undo_differences(unpacked.data(), size);
+  undo_differences(memory.unpacked.data(), size);
   spread(x, y, columns, rows, {unpacked.data(), unpacked.data() + size / 2, 1});
 }
 

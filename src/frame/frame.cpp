@@ -4,12 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <functional>
 #include <limits>
-#include <numeric>
-
-#include "core/threads.h"
 
 namespace ld {
 
@@ -49,12 +44,15 @@ float* alpha_of(Frame& frame, const Stretch& stretch) {
 }
 
 /// Whether nothing is to be done, which is the rule: a tenth of the time of going through all planes pixel by
-/// pixel.
+/// pixel. Features that the frame does not hold are 0, and their memory better untouched.
 bool is_clean(Frame& frame, const Stretch& stretch) {
-  for (int c = 0; c < frame.channels; ++c)
-    if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count, least_value(c),
-                    largest_value(c)))
-      return false;
+  for (const std::string& name : frame.features) {
+    const Feature& feature = find_feature(name);
+    for (int c = feature.offset; c < feature.offset + feature.channels; ++c)
+      if (!all_within(frame.plane(stretch.sample, c) + stretch.first, stretch.count, least_value(c),
+                      largest_value(c)))
+        return false;
+  }
   const float* alpha = alpha_of(frame, stretch);
   if (alpha != nullptr && !all_within(alpha, stretch.count, 0, 1)) return false;
   for (size_t part = 0; part < frame.parts.size(); ++part)
@@ -200,71 +198,6 @@ Image mean_radiance(const Frame& frame) {
 Image mean_alpha(const Frame& frame) {
   return mean_of(
       frame, 1, [&](int s, int) { return frame.alpha.data() + static_cast<size_t>(s) * frame.plane_size(); });
-}
-
-namespace {
-
-/// Bits in the order of the values.
-uint32_t ordered_bits(float value) {
-  uint32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
-}
-
-float value_of(uint32_t ordered) {
-  const uint32_t bits = (ordered >> 31) != 0 ? ordered & 0x7fffffffU : ~ordered;
-  float value = 0;
-  std::memcpy(&value, &bits, sizeof value);
-  return value;
-}
-
-using Histogram = std::vector<int64_t>;  // of 2^16
-
-/// Of digit(ordered bits) over the depths that count; a digit below 0 does not.
-template <class Digit>
-Histogram histogram_of_depths(const Frame& frame, int threads, const Digit& digit) {
-  const auto pixels = static_cast<int64_t>(frame.plane_size());
-  const int64_t pieces = std::clamp<int64_t>(pixels >> 16, 1, std::min(threads, 64));
-  std::vector<Histogram> parts(static_cast<size_t>(pieces), Histogram(1 << 16));
-  parallel_for(pieces, threads, [&](int64_t part) {
-    Histogram& count = parts[static_cast<size_t>(part)];
-    for (int s = 0; s < frame.spp; ++s) {
-      const float* depth = frame.plane(s, kDepthOffset);
-      const uint8_t* valid = frame.valid_plane(s);
-      for (int64_t p = pixels * part / pieces; p < pixels * (part + 1) / pieces; ++p) {
-        const int32_t place = digit(ordered_bits(depth[p]));
-        if (valid[p] != 0 && depth[p] < kEscapedDepth && place >= 0) ++count[static_cast<size_t>(place)];
-      }
-    }
-  });
-  for (size_t part = 1; part < parts.size(); ++part)
-    std::transform(parts[part].begin(), parts[part].end(), parts[0].begin(), parts[0].begin(), std::plus<>());
-  return parts[0];
-}
-
-/// The place that has the value of this rank, which becomes its rank within that place.
-uint32_t place_of(const Histogram& count, int64_t& rank) {
-  uint32_t place = 0;
-  while (rank >= count[place]) rank -= count[place++];
-  return place;
-}
-
-}  // namespace
-
-float median_depth(const Frame& frame, int threads) {
-  if (!frame.holds("depth")) return 1;
-  // By the upper half of the bits, then by the lower: two passes over the depths, and no copy of them.
-  const Histogram upper =
-      histogram_of_depths(frame, threads, [](uint32_t bits) { return static_cast<int32_t>(bits >> 16); });
-  const int64_t depths = std::accumulate(upper.begin(), upper.end(), int64_t{0});
-  if (depths == 0) return 1;
-  int64_t rank = depths / 2;
-  const uint32_t high = place_of(upper, rank);
-  const Histogram lower = histogram_of_depths(frame, threads, [high](uint32_t bits) {
-    return bits >> 16 == high ? static_cast<int32_t>(bits & 0xffffU) : -1;
-  });
-  // A camera inside a surface sees depth 0; a scale of 0 would divide by zero.
-  return std::max(value_of(high << 16 | place_of(lower, rank)), 1e-6F);
 }
 
 }  // namespace ld

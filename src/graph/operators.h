@@ -161,6 +161,9 @@ using Operator =
                  Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
                  Reject, Splat, Gather, Blur, Mix, Composite, ModulationFactors, Modulate, LayerIdentity>;
 
+/// Whether each pixel is made from the same pixel of the inputs alone.
+bool is_pixelwise(const Operator& op);
+
 /// Rows of an input that an operator reads for its rows [begin, end): up to rows_read_to(end), and of the
 /// rows before rows_read_from(begin) none any more once all rows before `begin` are made. Both within [0,
 /// height], the input's.

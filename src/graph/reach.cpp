@@ -57,7 +57,29 @@ struct ReadFrom {
   int64_t operator()(const ModulationFactors&) const { return begin - 1; }
 };
 
+/// What reads neighbours, or has its own way with borders.
+struct ReadsAround {
+  template <class Op>
+  bool operator()(const Op&) const {
+    return false;
+  }
+  bool operator()(const Pad&) const { return true; }
+  bool operator()(const Convolution&) const { return true; }
+  bool operator()(const MaxPool&) const { return true; }
+  bool operator()(const Upsample&) const { return true; }
+  bool operator()(const Halve&) const { return true; }
+  bool operator()(const Received&) const { return true; }
+  bool operator()(const Splat&) const { return true; }
+  bool operator()(const Gather&) const { return true; }
+  bool operator()(const Blur&) const { return true; }
+  bool operator()(const ModulationFactors&) const { return true; }
+};
+
 }  // namespace
+
+bool is_pixelwise(const Operator& op) {
+  return !std::visit(ReadsAround(), op);
+}
 
 int64_t rows_read_to(const Operator& op, int64_t end, int64_t height) {
   return std::clamp<int64_t>(std::visit(ReadTo{end, height}, op), 0, height);

@@ -9,6 +9,7 @@
 #include "inference/layer_views.h"
 #include "models/graphs/network_graph.h"
 #include "runtime/executor.h"
+#include "runtime/sample_source.h"
 #include "weights/network_weights.h"
 
 namespace ld {
@@ -20,11 +21,18 @@ int64_t megabytes(int64_t bytes) {
   return (bytes + kBudgetMegabyte - 1) / kBudgetMegabyte;
 }
 
-PictureExtent extent_of(const Frame& frame) {
-  if (frame.spp == 0 || frame.width == 0 || frame.height == 0)
-    fail("a frame of {}x{} pixels at {} samples; expected at least one sample and pixel", frame.width,
-         frame.height, frame.spp);
-  return {frame.spp, frame.height, frame.width};
+/// What is to be denoised, as plans see it.
+struct Input {
+  PictureExtent picture;
+  int64_t aside;  // bytes that a budget does not count
+};
+
+Input input_of(const Frame& frame) {
+  return {{frame.spp, frame.height, frame.width}, frame.bytes()};
+}
+
+Input input_of(const SampleArrays& arrays) {
+  return {{arrays.spp, arrays.height, arrays.width}, -ArraySource::bytes(arrays)};
 }
 
 /// The progress function of the options, which may end it.
@@ -56,11 +64,14 @@ struct Denoiser::State {
   }
 
   /// With as many rows at a time as the budget allows.
-  std::unique_ptr<Execution> plan(const graph::Graph& of, const Frame& frame,
+  std::unique_ptr<Execution> plan(const graph::Graph& of, const Input& input,
                                   const DenoiseOptions& options) const {
-    const PictureExtent picture = extent_of(frame);
+    const PictureExtent& picture = input.picture;
+    if (picture.samples == 0 || picture.width == 0 || picture.height == 0)
+      fail("a frame of {}x{} pixels at {} samples; expected at least one sample and pixel", picture.width,
+           picture.height, picture.samples);
     malloc_trim(0);  // what earlier plans have freed
-    const int64_t base = std::max<int64_t>(resident_bytes() - frame.bytes(), 0) + kThreads;
+    const int64_t base = std::max<int64_t>(resident_bytes() - input.aside, 0) + kThreads;
     auto made = plan(of, picture, threads_of(options));
     if (options.max_memory_bytes <= 0) return made;
     while (base + made->memory_bytes() > options.max_memory_bytes) {
@@ -69,7 +80,7 @@ struct Denoiser::State {
         fail_usage(
             "a memory budget of {} MB is too small for {}x{} pixels at {} samples (beside the frame "
             "itself); the smallest is {} MB, of which program and weights take {}",
-            options.max_memory_bytes / kBudgetMegabyte, frame.width, frame.height, frame.spp,
+            options.max_memory_bytes / kBudgetMegabyte, picture.width, picture.height, picture.samples,
             megabytes(base + made->memory_bytes()), megabytes(base));
       made.reset();
       made = plan(of, picture, threads_of(options), block / 2);
@@ -77,19 +88,40 @@ struct Denoiser::State {
     return made;
   }
 
-  Execution& execution_for(const Frame& frame, const graph::LightParts& parts,
+  Execution& execution_for(const Input& input, const graph::LightParts& parts,
                            const DenoiseOptions& options) {
-    const PictureExtent picture = extent_of(frame);
-    const bool fits = execution && execution->picture() == picture && graph.parts == parts &&
+    const bool fits = execution && execution->picture() == input.picture && graph.parts == parts &&
                       threads == threads_of(options) && budget == options.max_memory_bytes;
     if (!fits) {
       execution.reset();
       graph = network_graph(network.config, parts);
-      execution = plan(graph, frame, options);
+      execution = plan(graph, input, options);
       threads = threads_of(options);
       budget = options.max_memory_bytes;
     }
     return *execution;
+  }
+
+  /// Of a frame or arrays.
+  template <class Samples>
+  DenoisedParts denoise_parts(const Samples& samples, const graph::LightParts& parts,
+                              const DenoiseOptions& options) {
+    Execution& run = execution_for(input_of(samples), parts, options);
+    const Image colour(samples.width, samples.height, 3);
+    DenoisedParts result = {colour, std::vector<Image>(size_t(parts.colours), colour), {}};
+    if (parts.alpha) result.alpha = Image(samples.width, samples.height, 1);
+    std::vector<Image*> images = {&result.picture};
+    for (Image& part : result.parts) images.push_back(&part);
+    images.push_back(&result.alpha);
+    run.run(samples, progress_of(options), [&](int64_t begin, int64_t end) {
+      int64_t plane = 0;
+      for (Image* image : images)
+        for (int c = 0; c < image->channels; ++c, ++plane)
+          for (int64_t y = begin; y < end; ++y)
+            std::copy_n(run.row(0, plane, y), samples.width, &image->at(c, 0, int(y)));
+    });
+    for (float& value : result.alpha.pixels) value = std::min(value, 1.0f);  // rounding may lead beyond
+    return result;
   }
 
   /// For what only a network with layers has.
@@ -112,28 +144,17 @@ const NetworkConfig& Denoiser::network_config() const {
 }
 
 Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options) const {
-  Execution& execution = state_->execution_for(frame, {}, options);
+  Execution& execution = state_->execution_for(input_of(frame), {}, options);
   return std::move(execution.run(frame, progress_of(options))[0]);
 }
 
 DenoisedParts Denoiser::denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options) const {
   if (alpha && frame.alpha.empty()) fail("no alpha to filter: the frame has none");
-  Execution& execution = state_->execution_for(frame, {int64_t(frame.parts.size()), alpha}, options);
-  const Image colour(frame.width, frame.height, 3);
-  DenoisedParts result = {colour, std::vector<Image>(frame.parts.size(), colour), {}};
-  if (alpha) result.alpha = Image(frame.width, frame.height, 1);
-  std::vector<Image*> images = {&result.picture};
-  for (Image& part : result.parts) images.push_back(&part);
-  images.push_back(&result.alpha);
-  execution.run(frame, progress_of(options), [&](int64_t begin, int64_t end) {
-    int64_t plane = 0;
-    for (Image* image : images)
-      for (int c = 0; c < image->channels; ++c, ++plane)
-        for (int64_t y = begin; y < end; ++y)
-          std::copy_n(execution.row(0, plane, y), frame.width, &image->at(c, 0, int(y)));
-  });
-  for (float& value : result.alpha.pixels) value = std::min(value, 1.0f);  // rounding may lead beyond
-  return result;
+  return state_->denoise_parts(frame, {int64_t(frame.parts.size()), alpha}, options);
+}
+
+DenoisedParts Denoiser::denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options) const {
+  return state_->denoise_parts(arrays, {int64_t(arrays.parts.size()), arrays.alpha.has_value()}, options);
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {
@@ -148,7 +169,7 @@ std::vector<LayerPicture> Denoiser::layers(const Frame& frame, const DenoiseOpti
   state_->execution.reset();  // both at a time are more than a budget is meant for
   const graph::Graph graph = layer_views_graph(network_config());
   return layer_pictures(network_config(),
-                        state_->plan(graph, frame, options)->run(frame, progress_of(options)));
+                        state_->plan(graph, input_of(frame), options)->run(frame, progress_of(options)));
 }
 
 std::vector<Image> Denoiser::kernels_at(const Frame& frame, int x, int y) const {
@@ -156,8 +177,8 @@ std::vector<Image> Denoiser::kernels_at(const Frame& frame, int x, int y) const 
   if (x < 0 || y < 0 || x >= frame.width || y >= frame.height)
     fail_usage("there is no pixel ({}, {}) in a frame of {}x{}", x, y, frame.width, frame.height);
   const graph::Graph graph = layer_sources_graph(network_config());
-  return layer_kernels(network_config(), state_->network.weights, *state_->plan(graph, frame, {}), frame, x,
-                       y);
+  return layer_kernels(network_config(), state_->network.weights, *state_->plan(graph, input_of(frame), {}),
+                       frame, x, y);
 }
 
 }  // namespace ld

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "frame/frame.h"
+#include "frame/sample_arrays.h"
 
 namespace ld {
 
@@ -81,6 +81,10 @@ class Denoiser {
   /// that sum to the radiance of every sample come out as parts that sum to the picture, to rounding. Throws
   /// Error as denoise(), and for `alpha` of a frame that has none.
   DenoisedParts denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options = {}) const;
+
+  /// The same of samples where they lie, with all of their parts and, where they have it, alpha: no copy of
+  /// them is made, and nothing but features() must be there. They count as memory of the process.
+  DenoisedParts denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options = {}) const;
 
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
   int64_t least_memory_bytes(int width, int height, int spp) const;

@@ -63,7 +63,7 @@ class StretchGenerator {
     for (int64_t l = 0; l < shape_.layers; ++l) {
       stage({x_[b] + l * inputs * shape_.plane() + offset, inputs, shape_.plane()}, at.count, scratch_.x,
             scratch_.pitch);
-      network_.forward(scratch_, at.count, logits.row(l * shape_.taps()), logits.pitch());
+      network_.forward(scratch_, at.count, {logits.row(l * shape_.taps()), logits.pitch()});
     }
   }
 

@@ -18,30 +18,41 @@ using torch::autograd::variable_list;
 struct PartitionArguments {
   Tensor logits, valid, radiance, embedding;
   PartitionShape shape;
+  int64_t pixels;  // of a picture
 
   PartitionArguments(const Tensor& z, const Tensor& v, const Tensor& r, const Tensor& e, bool alpha)
       : logits(z.contiguous()),
         valid(v.contiguous()),
         radiance(r.contiguous()),
         embedding(e.contiguous()),
-        shape{z.size(1), z.size(2), r.size(2), e.size(2), z.size(3) * z.size(4), alpha} {}
+        shape{z.size(1), z.size(2), r.size(2), e.size(2), alpha},
+        pixels(z.size(3) * z.size(4)) {}
 
   Tensor like(int64_t planes) const {
     return at::empty({logits.size(0), shape.layers, planes, logits.size(3), logits.size(4)},
                      logits.options());
   }
 
+  /// Pixels from `begin` on of a picture, which may be null.
+  PlanarRow from(const float* picture, int64_t begin) const {
+    return {picture == nullptr ? nullptr : picture + begin, pixels};
+  }
+  PlanarTarget from(float* picture, int64_t begin) const {
+    return {picture == nullptr ? nullptr : picture + begin, pixels};
+  }
+
   /// Calls body(picture, input, first pixel, count, scratch) for every tile, on all threads.
   template <class Body>
   void for_each_tile(const Body& body) const {
     const Pictures<float> z(logits), v(valid), r(radiance), e(embedding);
-    const int64_t tiles = (shape.plane + kPartitionPixels - 1) / kPartitionPixels;
+    const int64_t tiles = (pixels + kPartitionPixels - 1) / kPartitionPixels;
     at::parallel_for(0, logits.size(0) * tiles, 1, [&](int64_t first, int64_t last) {
       PartitionScratch scratch(shape);
       for (int64_t i = first; i < last; ++i) {
         const int64_t b = i / tiles, begin = i % tiles * kPartitionPixels;
-        body(b, PartitionInput{z[b], v[b], r[b], e[b]}, begin,
-             std::min(kPartitionPixels, shape.plane - begin), scratch);
+        const auto tile = [&](auto* picture) { return from(picture, begin); };
+        body(b, PartitionInput{tile(z[b]), tile(v[b]), tile(r[b]), tile(e[b])}, begin,
+             std::min(kPartitionPixels, pixels - begin), scratch);
       }
     });
   }
@@ -62,7 +73,9 @@ class SamplePartition : public torch::autograd::Function<SamplePartition> {
     const Pictures<float> n(log_n), r(shares), o(opacity), t(transmittance), e(features);
     problem.for_each_tile(
         [&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count, PartitionScratch& scratch) {
-          partition_tile(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, begin, count, scratch);
+          const auto tile = [&](float* picture) { return problem.from(picture, begin); };
+          partition_tile(problem.shape, in, {tile(n[b]), tile(r[b]), tile(o[b]), tile(t[b]), tile(e[b])},
+                         count, scratch);
         });
     variable_list results = {log_n, shares, opacity, features};
     if (alpha) results.push_back(transmittance);
@@ -82,11 +95,12 @@ class SamplePartition : public torch::autograd::Function<SamplePartition> {
     const Pictures<float> n(gradients[0]), r(gradients[1]), o(gradients[2]), e(gradients[3]),
         t(alpha ? gradients[4] : Tensor());
     const Pictures<float> gz(logits_gradient), gr(radiance_gradient), ge(embedding_gradient);
-    problem.for_each_tile(
-        [&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count, PartitionScratch& scratch) {
-          partition_tile_backward(problem.shape, in, {n[b], r[b], o[b], t[b], e[b]}, {gz[b], gr[b], ge[b]},
-                                  begin, count, scratch);
-        });
+    problem.for_each_tile([&](int64_t b, const PartitionInput& in, int64_t begin, int64_t count,
+                              PartitionScratch& scratch) {
+      const auto tile = [&](float* picture) { return problem.from(picture, begin); };
+      partition_tile_backward(problem.shape, in, {tile(n[b]), tile(r[b]), tile(o[b]), tile(t[b]), tile(e[b])},
+                              {tile(gz[b]), tile(gr[b]), tile(ge[b])}, count, scratch);
+    });
     return {logits_gradient, Tensor(), radiance_gradient, embedding_gradient, Tensor()};
   }
 };

@@ -2,22 +2,20 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
-#include <new>
+#include <vector>
+
+#include "frame/frame.h"
 
 namespace ld {
 
-/// Zeros that take no memory before they are written.
+/// Zeros that take no memory before they are written. In large pages, because the planes of one tile of
+/// pixels lie in more small ones than a processor keeps the addresses of.
 class Arena {
  public:
-  explicit Arena(int64_t floats) {
-    memory_.reset(static_cast<float*>(std::calloc(size_t(floats + kAligned), sizeof(float))));
-    if (!memory_) throw std::bad_alloc();
-  }
-  float* begin() const {
-    const auto address = reinterpret_cast<uintptr_t>(memory_.get());
-    return memory_.get() + (kAligned - address / sizeof(float) % kAligned) % kAligned;
+  explicit Arena(int64_t floats) : memory_(size_t(floats + kAligned)) {}
+  float* begin() {
+    const auto address = reinterpret_cast<uintptr_t>(memory_.data());
+    return memory_.data() + (kAligned - address / sizeof(float) % kAligned) % kAligned;
   }
 
   /// Floats up to where the next window may begin.
@@ -26,10 +24,7 @@ class Arena {
  private:
   static constexpr int64_t kAligned =
       32;  // floats: whole vectors of every instruction set, whole cache lines
-  struct Free {
-    void operator()(float* memory) const { std::free(memory); }
-  };
-  std::unique_ptr<float[], Free> memory_;
+  std::vector<float, ZeroPages<float>> memory_;
 };
 
 }  // namespace ld

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <type_traits>
 #include <variant>
 
 #include "core/error.h"
-#include "ops/kernels/constants.h"
 #include "runtime/arena.h"
 #include "runtime/denormals.h"
-#include "runtime/frame_exposure.h"
-#include "runtime/parallel.h"
+#include "runtime/sample_source.h"
 #include "runtime/step.h"
+#include "runtime/tile_unit.h"
 
 namespace ld {
 
@@ -19,26 +18,7 @@ using graph::ValueId;
 
 namespace {
 
-// Above this the sums of filters could overflow (ops/finite_sources.h): demodulated radiance is up to 50
-// times as large.
-constexpr float kLargestRadiance = 1e32f / 50;
-
 constexpr double kProgressSteps = 64;
-
-/// What the values of planes plane_of(0) to plane_of(count - 1) are scaled by.
-template <class PlaneOf>
-float filter_scale(const Frame& frame, int threads, int64_t count, const PlaneOf& plane_of) {
-  std::vector<float> largest(size_t(count), 0.0f);
-  parallel_for(threads, count, [&](int64_t i, int) {
-    const float* plane = plane_of(i);
-    float most = 0;
-    for (size_t p = 0; p < frame.plane_size(); ++p) most = std::max(most, std::fabs(plane[p]));
-    largest[size_t(i)] = most;
-  });
-  const bool large =
-      std::any_of(largest.begin(), largest.end(), [](float v) { return v > kLargestRadiance; });
-  return large ? float(kOverflowScale) : 1.0f;
-}
 
 /// Enough pixels for the threads, and so few rows that they stay in the caches: every operator on the way
 /// through the U-net keeps a block waiting.
@@ -47,11 +27,19 @@ int64_t default_block(int threads, int64_t width) {
   return std::max(kPixels * std::max(threads, 1) / width / kFewest * kFewest, kFewest);
 }
 
-}  // namespace
-
-std::unique_ptr<Step> make_step(const graph::Node& node, StepContext& context) {
-  return std::visit([&](const auto& op) { return make_step(op, node, context); }, node.op);
+std::unique_ptr<Step> make_unit(const Unit& unit, StepContext& context) {
+  const graph::Node& first = context.graph.nodes[unit.nodes[0]];
+  if (graph::is_pixelwise(first.op)) return std::make_unique<TileUnit>(unit, context);
+  return std::visit(
+      [&](const auto& op) -> std::unique_ptr<Step> {
+        using Made = decltype(make_step(op, first, context));
+        if constexpr (std::is_same_v<Made, std::unique_ptr<Step>>) return make_step(op, first, context);
+        return nullptr;  // pixelwise: made above
+      },
+      first.op);
 }
+
+}  // namespace
 
 struct Execution::State {
   int64_t block;
@@ -59,10 +47,9 @@ struct Execution::State {
   RowSchedule schedule;
   int64_t arena_floats;
   Arena arena;
-  std::vector<std::unique_ptr<Step>> steps;
+  std::vector<std::unique_ptr<Step>> steps;  // of each unit
   std::vector<ValueId> outputs;
-  std::vector<double> row_work;  // of each node, a row of its output
-  std::vector<double> seconds;   // of each node, in the frame that runs
+  std::vector<double> row_work;  // of each unit, a row of its output
   decltype(ExecutionOptions::made) made;
   double work = 0;
 
@@ -80,51 +67,82 @@ struct Execution::State {
       window.memory = next;
       next += Arena::round_up(window.floats());
     }
-    for (const graph::Node& node : graph.nodes) {
-      steps.push_back(make_step(node, context));
-      const ValueExtent extent = extent_of(graph, node.outputs[0], picture);
-      const graph::NodeCost cost = cost_of(graph, node, picture);
-      // What is moved counts for a few multiply-adds.
-      const double rows = double(extent.height);
-      row_work.push_back((cost.weights + cost.taps) / rows + 4 * double(extent.planes * extent.width));
-      work += row_work.back() * rows;
+    for (const Unit& unit : schedule.units()) {
+      steps.push_back(make_unit(unit, context));
+      row_work.push_back(0);
+      for (const size_t n : unit.nodes) row_work.back() += work_of_row(graph.nodes[n]);
+      work += row_work.back() * double(extent_of(graph, unit.outputs[0], picture).height);
     }
     outputs.insert(outputs.begin(), graph.output);
   }
 
+  double work_of_row(const graph::Node& node) const {
+    const ValueExtent extent = extent_of(context.graph, node.outputs[0], context.picture);
+    const graph::NodeCost cost = cost_of(context.graph, node, context.picture);
+    // What is moved counts for a few multiply-adds.
+    return (cost.weights + cost.taps) / double(extent.height) + 4 * double(extent.planes * extent.width);
+  }
+
   /// Floats of all windows.
   int64_t make_windows() {
+    context.windows.resize(context.graph.values.size());
+    for (const Unit& unit : schedule.units())
+      for (const size_t n : unit.nodes)
+        for (const ValueId id : context.graph.nodes[n].outputs) context.windows[id] = window_of(unit, id);
     int64_t floats = 0;
-    for (ValueId id = 0; id < context.graph.values.size(); ++id) {
-      const ValueExtent extent = extent_of(context.graph, id, context.picture);
-      context.windows.emplace_back(extent.planes, extent.width, extent.height, schedule.capacity(id));
-      floats += Arena::round_up(context.windows.back().floats());
-    }
+    for (const RowWindow& window : context.windows) floats += Arena::round_up(window.floats());
     return floats;
   }
 
-  void begin(const Frame& frame) {
-    const PictureExtent& picture = context.picture;
-    if (frame.width != picture.width || frame.height != picture.height || frame.spp != picture.samples)
-      fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", frame.width, frame.height,
-           frame.spp, picture.width, picture.height, picture.samples);
-    if (!(frame.info.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
-    const graph::LightParts& parts = context.graph.parts;
-    if (int64_t(frame.parts.size()) < parts.colours || (parts.alpha && frame.alpha.empty()))
-      fail("a frame of {} light parts{}; expected {}{}", frame.parts.size(),
-           frame.alpha.empty() ? " without alpha" : "", parts.colours, parts.alpha ? " and alpha" : "");
-    context.frame = &frame;
-    context.value_scale = filter_scale(frame, context.threads, int64_t(frame.spp) * 3, [&](int64_t i) {
-      return frame.plane(int(i / 3), kRadianceOffset + int(i % 3));
-    });
-    // By itself, so that no part changes the picture.
-    context.part_scale = filter_scale(frame, context.threads, parts.colours * frame.spp * 3, [&](int64_t i) {
-      const int64_t plane = i / parts.colours;
-      return frame.part_plane(size_t(i % parts.colours), int(plane / 3), int(plane % 3));
-    });
-    if (context.graph.exposed) context.exposure = frame_exposure(frame, context.threads);
-    seconds.assign(steps.size(), 0);
+  RowWindow window_of(const Unit& unit, ValueId id) const {
+    const ValueExtent extent = extent_of(context.graph, id, context.picture);
+    if (schedule.capacity(id) > 0) return {extent.planes, extent.width, extent.height, schedule.capacity(id)};
+    return RowWindow::of_tiles(extent.planes, extent.width, extent.height, context.threads,
+                               tile_pixels(context.graph, unit, context.picture));
+  }
+
+  void begin(SampleSource& source) {
+    const PictureExtent &picture = context.picture, given = source.extent();
+    if (!(given == picture))
+      fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", given.width, given.height,
+           given.samples, picture.width, picture.height, picture.samples);
+    if (!(source.depth_scale > 0)) fail("a frame without a depth scale; expected a number above 0");
+    const graph::LightParts &parts = context.graph.parts, held = source.parts();
+    if (held.colours < parts.colours || (parts.alpha && !held.alpha))
+      fail("a frame of {} light parts{}; expected {}{}", held.colours, held.alpha ? "" : " without alpha",
+           parts.colours, parts.alpha ? " and alpha" : "");
+    context.source = &source;
+    context.seconds.assign(context.graph.nodes.size(), 0);
     for (const auto& step : steps) step->start();
+  }
+
+  void run(size_t unit, int64_t begin, int64_t end) {
+    const auto start = std::chrono::steady_clock::now();
+    steps[unit]->run(begin, end);
+    const std::vector<size_t>& nodes = schedule.units()[unit].nodes;
+    if (!graph::is_pixelwise(context.graph.nodes[nodes[0]].op))  // those know better
+      context.seconds[nodes[0]] +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!made) return;
+    for (const ValueId value : schedule.units()[unit].outputs)
+      made(value, context.windows[value], begin, end);
+  }
+
+  /// Makes all rows, and hands out those of the outputs.
+  void walk(SampleSource& source, const Progress& progress, const Rows& rows) {
+    begin(source);
+    double done = 0, told = 0;
+    schedule.walk(
+        [&](size_t unit, int64_t begin, int64_t end) {
+          run(unit, begin, end);
+          done += double(end - begin) * row_work[unit];
+          const double share = std::min(done / work, 1.0);
+          if (!progress || share - told < 1 / kProgressSteps) return;
+          told = share;
+          progress(share);
+        },
+        rows);
+    if (progress && told < 1) progress(1);
   }
 };
 
@@ -156,7 +174,7 @@ int64_t Execution::memory_bytes() const {
 }
 
 const std::vector<double>& Execution::seconds() const {
-  return state_->seconds;
+  return state_->context.seconds;
 }
 
 const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
@@ -165,25 +183,14 @@ const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
 
 void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows) {
   const FlushedDenormals flushed(state_->context.threads);
-  state_->begin(frame);
-  double done = 0, told = 0;
-  state_->schedule.walk(
-      [&](size_t node, int64_t begin, int64_t end) {
-        const auto start = std::chrono::steady_clock::now();
-        state_->steps[node]->run(begin, end);
-        state_->seconds[node] +=
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (state_->made)
-          for (const ValueId value : state_->context.graph.nodes[node].outputs)
-            state_->made(value, state_->context.windows[value], begin, end);
-        done += double(end - begin) * state_->row_work[node];
-        const double share = std::min(done / state_->work, 1.0);
-        if (!progress || share - told < 1 / kProgressSteps) return;
-        told = share;
-        progress(share);
-      },
-      rows);
-  if (progress && told < 1) progress(1);
+  FrameSource source(frame, state_->context.graph, state_->context.threads);
+  state_->walk(source, progress, rows);
+}
+
+void Execution::run(const SampleArrays& arrays, const Progress& progress, const Rows& rows) {
+  const FlushedDenormals flushed(state_->context.threads);
+  ArraySource source(arrays, state_->context.graph, state_->context.threads);
+  state_->walk(source, progress, rows);
 }
 
 std::vector<Image> Execution::run(const Frame& frame, const Progress& progress) {

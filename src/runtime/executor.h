@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "frame/frame.h"
+#include "frame/sample_arrays.h"
 #include "graph/graph.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
@@ -17,7 +17,8 @@ namespace ld {
 struct ExecutionOptions {
   int threads = 1;
   int64_t block_rows = 0;  // rows of full resolution that are made at a time; 0: as suits the threads
-  /// Called whenever rows [begin, end) of a value were made, which lie in its window. May be empty.
+  /// Called whenever rows [begin, end) of a value were made, which lie in its window; not for values that
+  /// pixelwise operators leave to one another (runtime/unit.h). May be empty.
   std::function<void(graph::ValueId value, const RowWindow& rows, int64_t begin, int64_t end)> made = {};
 };
 
@@ -43,6 +44,8 @@ class Execution {
   std::vector<Image> run(const Frame& frame, const Progress& progress = {});
   /// The same, without keeping what `rows` does not keep.
   void run(const Frame& frame, const Progress& progress, const Rows& rows);
+  /// Of samples that nobody has sanitised, with the bits of a frame of them.
+  void run(const SampleArrays& arrays, const Progress& progress, const Rows& rows);
   /// Of the outputs' rows that are there: number `output`, the graph's own first.
   const float* row(size_t output, int64_t plane, int64_t y) const;
 

@@ -25,15 +25,4 @@ inline TileNetwork tile_network(const graph::FullyConnected& op, const NamedWeig
   return {std::move(layers), x_inputs, {op.activate_last, float(op.bound)}, /*for_backward=*/false};
 }
 
-/// The one layer of one output <weights>.0: its bias, then a weight for each input.
-inline std::vector<float> one_output(const std::string& name, const NamedWeights& weights) {
-  std::vector<float> values = weights.at(name + ".0.bias").values;
-  const std::vector<float>& of_inputs = weights.at(name + ".0.weight").values;
-  values.insert(values.end(), of_inputs.begin(), of_inputs.end());
-  return values;
-}
-inline void add_weighted(const float* __restrict values, float weight, int64_t count, float* __restrict to) {
-  for (int64_t x = 0; x < count; ++x) to[x] += weight * values[x];
-}
-
 }  // namespace ld

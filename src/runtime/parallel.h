@@ -8,7 +8,8 @@
 
 namespace ld {
 
-/// body(i, thread) for i in [0, count), thread in [0, threads). The body throws nothing.
+/// body(i, thread) for i in [0, count), thread in [0, threads), begun in that order, so that one may wait for
+/// those before. The body throws nothing.
 template <class Body>
 void parallel_for(int threads, int64_t count, const Body& body) {
   const int used = int(std::min<int64_t>(threads, count));
@@ -16,7 +17,7 @@ void parallel_for(int threads, int64_t count, const Body& body) {
     for (int64_t i = 0; i < count; ++i) body(i, 0);
     return;
   }
-#pragma omp parallel for num_threads(used) schedule(dynamic)
+#pragma omp parallel for num_threads(used) schedule(monotonic : dynamic)
   for (int64_t i = 0; i < count; ++i) body(i, omp_get_thread_num());
 }
 

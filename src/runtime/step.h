@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "frame/frame.h"
 #include "graph/graph.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
+#include "runtime/sample_source.h"
 #include "weights/named_weights.h"
 
 namespace ld {
@@ -24,6 +24,16 @@ class Step {
   virtual int64_t scratch_bytes(int64_t /*rows*/) const { return 0; }
 };
 
+/// A pixelwise operator (graph/operators.h) at work.
+class TileStep {
+ public:
+  virtual ~TileStep() = default;
+  /// The same tile of the inputs is there. Writes whole vectors of pixels, up to padded(tile.count).
+  virtual void make(const PixelTile& tile) = 0;
+};
+
+constexpr int64_t kTilePixels = 192;  // at most, of a tile: whole panels of every vector width
+
 /// What steps work in. It outlives them.
 struct StepContext {
   const graph::Graph& graph;
@@ -33,47 +43,51 @@ struct StepContext {
   std::vector<RowWindow> windows;  // of each value
 
   // Of the frame that runs.
-  const Frame* frame = nullptr;
-  double exposure = 1;  // of radiance as the network sees it, where the graph says so
-  // Of radiance, and of parts of it, in filters, whose sums could overflow (ops/finite_sources.h).
-  float value_scale = 1, part_scale = 1;
+  SampleSource* source = nullptr;
+  std::vector<double> seconds = {};  // that each node has taken so far
 
   const RowWindow& input(const graph::Node& node, size_t i) const { return windows[node.inputs[i]]; }
   const RowWindow& output(const graph::Node& node, size_t i = 0) const { return windows[node.outputs[i]]; }
   int64_t items(graph::ValueId id) const { return windows[id].planes / graph[id].channels; }
 };
 
-std::unique_ptr<Step> make_step(const graph::Node& node, StepContext& context);
-
 // One for each operator; files by kind: steps_*.cpp.
-std::unique_ptr<Step> make_step(const graph::Encode& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::MaskedMean& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::AnyValid& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::LogValid& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::FirstValid& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Statistics& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::ToneMapped& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::FullyConnected& op, const graph::Node& node,
-                                StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Encode& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::MaskedMean& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::AnyValid& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::LogValid& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::FirstValid& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Statistics& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::ToneMapped& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::FullyConnected& op, const graph::Node& node,
+                                    StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Pad& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::MaxPool& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Upsample& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Halve& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Received& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::BlendLevels& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Demodulate& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Partition& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Reject& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::BlendLevels& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Demodulate& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Partition& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Reject& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Gather& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Blur& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Mix& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Composite& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Mix& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Composite& op, const graph::Node& node,
+                                    StepContext& context);
 std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
                                 StepContext& context);
-std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
-std::unique_ptr<Step> make_step(const graph::LayerIdentity& op, const graph::Node& node,
-                                StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::LayerIdentity& op, const graph::Node& node,
+                                    StepContext& context);
 
 }  // namespace ld

@@ -1,13 +1,18 @@
 // From layers to the picture: kernels, compositing and modulation.
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <thread>
 
 #include "models/network_numbers.h"
+#include "ops/kernels/sample_tile.h"
 #include "ops/kernels/splat.h"
 #include "runtime/fully_connected_rows.h"
-#include "runtime/row_step.h"
+#include "runtime/parallel.h"
+#include "runtime/tile_step.h"
 
 namespace ld {
 namespace {
@@ -84,20 +89,28 @@ class SplatStep : public Step {
     return std::min((number + 1) * op_.rows + shape_.radius(), shape_.height);
   }
 
-  /// Sums up the sources of all strips before `count`. Stretches that reach into one another's columns take
-  /// turns: first the even ones of all strips, then the odd ones, whatever the threads.
+  /// Sums up the sources of all strips before `count`. Stretches reach into one another's columns: first come
+  /// the even ones of all strips, then the odd ones, each after its neighbours, whatever the threads.
   void add_strips(int64_t count) {
     const auto first = int64_t(strips_.size());
     for (; next_ < count; ++next_) strips_.push_back(begin_strip(next_ * op_.rows));
     const int64_t made = int64_t(strips_.size()) - first, number = next_ - made;
-    const int64_t stretches = (shape_.width + pixels_ - 1) / pixels_;
-    for (int64_t turn = 0; turn < 2; ++turn) {
-      const int64_t mine = (stretches + 1 - turn) / 2;
-      parallel_for(context_.threads, made * mine, [&](int64_t i, int thread) {
-        add_column((number + i / mine) * op_.rows, (2 * (i % mine) + turn) * pixels_,
-                   workers_[size_t(thread)], *strips_[size_t(first + i / mine)]);
-      });
-    }
+    const int64_t stretches = (shape_.width + pixels_ - 1) / pixels_, even = (stretches + 1) / 2;
+    std::vector<std::atomic<bool>> done(size_t(made * stretches));
+    parallel_for(context_.threads, made * stretches, [&](int64_t i, int thread) {
+      const bool odd = i >= made * even;
+      const int64_t of_strip = odd ? stretches - even : even, at = odd ? i - made * even : i;
+      const int64_t strip = at / of_strip, stretch = 2 * (at % of_strip) + (odd ? 1 : 0);
+      const auto is_done = [&](int64_t other) -> std::atomic<bool>& {
+        return done[size_t(strip * stretches + other)];
+      };
+      for (const int64_t other : {stretch - 1, stretch + 1})
+        if (odd && other < stretches)
+          while (!is_done(other).load(std::memory_order_acquire)) std::this_thread::yield();
+      add_column((number + strip) * op_.rows, stretch * pixels_, workers_[size_t(thread)],
+                 *strips_[size_t(first + strip)]);
+      is_done(stretch).store(true, std::memory_order_release);
+    });
   }
 
   std::unique_ptr<SplatStrip> begin_strip(int64_t first) {
@@ -125,7 +138,7 @@ class SplatStep : public Step {
     for (int64_t l = 0; l < shape_.layers; ++l)
       network_.forward(worker.scratch, at.count,
                        {embedding_.row(at.y, l * network_.x_inputs()) + at.x, embedding_.pitch},
-                       sources.logits.row(l * shape_.taps()), sources.logits.pitch());
+                       {sources.logits.row(l * shape_.taps()), sources.logits.pitch()});
     stage({log_n_.row(at.y) + at.x, shape_.layers, log_n_.pitch}, at.count, sources.log_n.row(0),
           sources.log_n.pitch());
     for (int64_t l = 0; l < shape_.layers; ++l) stage_values(at, l, worker);
@@ -133,7 +146,7 @@ class SplatStep : public Step {
 
   bool is_part(int64_t channel) const { return channel >= main_ && channel < main_ + parts_; }
   float scale_of(int64_t channel) const {
-    return is_part(channel) ? context_.part_scale : context_.value_scale;
+    return is_part(channel) ? context_.source->light.part_scale : context_.source->light.value_scale;
   }
 
   /// A pixel's layer whose values or weight are not finite sends nothing (ops/finite_sources.h). Parts have
@@ -180,70 +193,41 @@ class SplatStep : public Step {
   int64_t next_ = 0;                                // the number of the first strip that is not made
 };
 
-/// Of ModulationFactors.
-struct ModulationFactorsRow {
-  RowWindow modulators, shared, out;
-  std::vector<float> weights;
+/// The network reads how steady the divisors are, and the context.
+class ModulationFactorsStep : public Step {
+ public:
+  ModulationFactorsStep(const graph::ModulationFactors& op, const graph::Node& node, StepContext& context)
+      : context_(context),
+        modulators_(context.input(node, 0)),
+        shared_(context.input(node, 1)),
+        out_(context.output(node)),
+        network_(tile_network({op.weights, {1}}, context.weights, 1, 1)),
+        scratch_(network_.make_scratches(context.threads, kTilePixels)) {}
 
-  void operator()(int64_t y, float* /*scratch*/) const {
-    const int64_t width = out.width;
-    for (int64_t c = 0; c < 3; ++c) std::copy_n(modulators.row(y, c), width, out.row(y, c));
-    float* __restrict beta = out.row(y, 3);
-    for (int64_t x = 0; x < width; ++x)
-      beta[x] = weights[0] + weights[1] * std::exp(-float(kSteadyFalloff) * variance(y, x));
-    for (int64_t c = 0; c < shared.planes; ++c)
-      add_weighted(shared.row(y, c), weights[size_t(2 + c)], width, beta);
-    for (int64_t x = 0; x < width; ++x) {
-      float mean = 0;
-      for (int64_t c = 0; c < 3; ++c) mean = std::max(mean, modulators.row(y, c)[x]);
-      beta[x] = mean == 0 ? 0.0f : 1 / (1 + std::exp(-beta[x]));
-    }
+  void run(int64_t begin, int64_t end) override {
+    for_each_stretch(context_.threads, begin, end, out_.width, kTilePixels,
+                     [&](int64_t y, int64_t x, int64_t count, int thread) {
+                       make({y, x, count, thread});
+                     });
   }
 
-  /// The mean of the variance over the 3x3 pixels that are there.
-  float variance(int64_t y, int64_t x) const {
-    float sum = 0;
-    int count = 0;
-    for (int64_t v = std::max<int64_t>(y - 1, 0); v <= std::min(y + 1, out.height - 1); ++v)
-      for (int64_t u = std::max<int64_t>(x - 1, 0); u <= std::min(x + 1, out.width - 1); ++u) {
-        sum += modulators.row(v, 3)[u];
-        ++count;
-      }
-    return sum / float(count);
+ private:
+  void make(const PixelTile& tile) {
+    TileNetwork::Scratch& scratch = scratch_[size_t(tile.thread)];
+    std::array<const float*, 3> variances = {};
+    for (int64_t i = 0; i < 3; ++i)
+      if (const int64_t y = tile.y - 1 + i; y >= 0 && y < modulators_.height)
+        variances[size_t(i)] = modulators_.row(y, 3);
+    steadiness({variances, out_.width}, float(kSteadyFalloff), tile.x, tile.count, scratch.x);
+    network_.begin_tile(scratch, tile.count, shared_.at(tile));
+    network_.forward(scratch, tile.count);
+    modulation_factors(modulators_.at(tile), scratch.a.back(), padded(tile.count), out_.at(tile));
   }
-};
 
-/// Of Modulate.
-struct ModulateRow {
-  RowWindow filtered, factors, out;
-
-  void operator()(int64_t y, float* __restrict beta) const {
-    const int64_t width = out.width, coloured = (out.planes - 3) / 3 * 3;
-    for (int64_t x = 0; x < width; ++x) {
-      float plain = 0;
-      for (int64_t c = 0; c < 3; ++c) plain = std::max(plain, filtered.row(y, 3 + c)[x]);
-      beta[x] = plain > float(kLargestModulated) ? 0.0f : factors.row(y, 3)[x];
-    }
-    for (int64_t c = 0; c < 3; ++c) {
-      const float* __restrict mean = factors.row(y, c);
-      const float* __restrict divided = filtered.row(y, c);
-      const float* __restrict plain = filtered.row(y, 3 + c);
-      float* __restrict to = out.row(y, c);
-      for (int64_t x = 0; x < width; ++x) to[x] = plain[x] + beta[x] * (mean[x] * divided[x] - plain[x]);
-    }
-    for (int64_t c = 0; c < out.planes - 3; ++c) {
-      const float* __restrict plain = filtered.row(y, 6 + coloured + c);
-      float* __restrict to = out.row(y, 3 + c);
-      if (c >= coloured) {  // alpha
-        std::copy_n(plain, width, to);
-        continue;
-      }
-      // The same mean in the form that no sign and size of a part makes overflow.
-      const float* __restrict mean = factors.row(y, c % 3);
-      const float* __restrict divided = filtered.row(y, 6 + c);
-      for (int64_t x = 0; x < width; ++x) to[x] = (1 - beta[x]) * plain[x] + beta[x] * (mean[x] * divided[x]);
-    }
-  }
+  StepContext& context_;
+  RowWindow modulators_, shared_, out_;
+  TileNetwork network_;
+  std::vector<TileNetwork::Scratch> scratch_;  // of each thread
 };
 
 }  // namespace
@@ -251,45 +235,48 @@ struct ModulateRow {
 std::unique_ptr<Step> make_step(const graph::Splat& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<SplatStep>(op, node, context);
 }
-std::unique_ptr<Step> make_step(const graph::Mix&, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::Mix&, const graph::Node& node, StepContext& context) {
   const RowWindow logit = context.input(node, 0), valid = context.input(node, 1),
                   first = context.input(node, 2), second = context.input(node, 3), out = context.output(node);
-  return row_step(context, out.width, [=](int64_t y, float* __restrict k) {
-    for (int64_t x = 0; x < out.width; ++x) k[x] = valid.row(y)[x] / (1 + std::exp(-logit.row(y)[x]));
+  return tile_step(context, kTilePixels, [=](const PixelTile& tile, float* __restrict k) {
+    for (int64_t x = 0; x < tile.count; ++x)
+      k[x] = valid.at(tile).data[x] / (1 + std::exp(-logit.at(tile).data[x]));
     for (int64_t c = 0; c < out.planes; ++c) {
-      const float* __restrict a = first.row(y, c);
-      const float* __restrict b = second.row(y, c);
-      float* __restrict to = out.row(y, c);
-      for (int64_t x = 0; x < out.width; ++x) to[x] = k[x] * a[x] + (1 - k[x]) * b[x];
+      const float* __restrict a = first.at(tile, c).data;
+      const float* __restrict b = second.at(tile, c).data;
+      float* __restrict to = out.at(tile, c).data;
+      for (int64_t x = 0; x < tile.count; ++x) to[x] = k[x] * a[x] + (1 - k[x]) * b[x];
     }
   });
 }
-std::unique_ptr<Step> make_step(const graph::Composite&, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::Composite&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);
-  return row_step(context, in.width, [=](int64_t y, float* __restrict visible) {
-    const int64_t colours = out.planes, width = out.width, layers = in.planes / (colours + 1);
-    for (int64_t c = 0; c < colours; ++c) std::copy_n(in.row(y, c), width, out.row(y, c));
-    std::copy_n(in.row(y, colours), width, visible);
+  return tile_step(context, kTilePixels, [=](const PixelTile& tile, float* __restrict visible) {
+    const int64_t colours = out.planes, count = tile.count, layers = in.planes / (colours + 1);
+    for (int64_t c = 0; c < colours; ++c) std::copy_n(in.at(tile, c).data, count, out.at(tile, c).data);
+    std::copy_n(in.at(tile, colours).data, count, visible);
     for (int64_t l = 1; l < layers; ++l) {
       for (int64_t c = 0; c < colours; ++c) {
-        const float* __restrict layer = in.row(y, l * (colours + 1) + c);
-        float* __restrict to = out.row(y, c);
-        for (int64_t x = 0; x < width; ++x) to[x] += visible[x] * layer[x];
+        const float* __restrict layer = in.at(tile, l * (colours + 1) + c).data;
+        float* __restrict to = out.at(tile, c).data;
+        for (int64_t x = 0; x < count; ++x) to[x] += visible[x] * layer[x];
       }
-      const float* __restrict transmittance = in.row(y, l * (colours + 1) + colours);
-      for (int64_t x = 0; x < width; ++x) visible[x] *= transmittance[x];
+      const float* __restrict transmittance = in.at(tile, l * (colours + 1) + colours).data;
+      for (int64_t x = 0; x < count; ++x) visible[x] *= transmittance[x];
     }
   });
 }
 std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
                                 StepContext& context) {
-  const ModulationFactorsRow row = {context.input(node, 0), context.input(node, 1), context.output(node),
-                                    one_output(op.weights, context.weights)};
-  return row_step(context, 0, row);
+  return std::make_unique<ModulationFactorsStep>(op, node, context);
 }
-std::unique_ptr<Step> make_step(const graph::Modulate&, const graph::Node& node, StepContext& context) {
-  const ModulateRow row = {context.input(node, 0), context.input(node, 1), context.output(node)};
-  return row_step(context, row.out.width, row);
+std::unique_ptr<TileStep> make_step(const graph::Modulate&, const graph::Node& node, StepContext& context) {
+  const RowWindow filtered = context.input(node, 0), factors = context.input(node, 1),
+                  out = context.output(node);
+  return tile_step(context, 0, [=](const PixelTile& tile, float*) {
+    modulate({filtered.at(tile), factors.at(tile), out.planes - 3, float(kLargestModulated),
+              padded(tile.count), out.at(tile)});
+  });
 }
 
 }  // namespace ld

@@ -59,7 +59,7 @@ class GatheringStep : public Step {
 
  private:
   float scale_of(int64_t channel) const {
-    return channel < main_ ? context_.value_scale : context_.part_scale;
+    return channel < main_ ? context_.source->light.value_scale : context_.source->light.part_scale;
   }
 
   /// Row y of the sources; a pixel whose values or weight are not finite gives nothing
@@ -103,8 +103,8 @@ class GatherStep : public GatheringStep {
   void make_logits(const Stretch& at, int thread, StagedRows& logits) override {
     TileNetwork::Scratch& scratch = scratch_[size_t(thread)];
     network_.begin_tile(scratch, at.count, {shared_.row(at.y) + at.x, shared_.pitch});
-    network_.forward(scratch, at.count, {embedding_.row(at.y) + at.x, embedding_.pitch}, logits.row(0),
-                     logits.pitch());
+    network_.forward(scratch, at.count, {embedding_.row(at.y) + at.x, embedding_.pitch},
+                     {logits.row(0), logits.pitch()});
   }
 
   RowWindow embedding_, shared_;

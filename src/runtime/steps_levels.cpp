@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "runtime/row_step.h"
+#include "runtime/tile_step.h"
 
 namespace ld {
 namespace {
@@ -89,42 +90,40 @@ struct HalveRow {
 /// Of BlendLevels. A pixel that received nothing is 0 in its level's picture. Upscaling blends it with its
 /// neighbours, and dividing by what the upscaled pixel has of those that received something leaves their
 /// mean.
-struct BlendLevelsRow {
+struct BlendLevelsTile {
   RowWindow logits, out;
   std::vector<RowWindow> pictures, received;
 
-  int64_t scratch() const { return (2 + logits.planes) * out.width; }
+  int64_t scratch() const { return (2 + logits.planes) * kTilePixels; }
 
-  void operator()(int64_t y, float* memory) const {
-    const int64_t width = out.width, levels = logits.planes;
-    float *largest = memory, *sum = largest + width, *weights = sum + width;
-    std::fill_n(largest, width, kNothing);
+  void operator()(const PixelTile& tile, float* memory) const {
+    const int64_t count = tile.count, levels = logits.planes;
+    float *largest = memory, *sum = largest + kTilePixels, *weights = sum + kTilePixels;
+    const auto coverage_of = [&](int64_t i) { return received[size_t(i)].at(tile).data; };
+    const auto logits_of = [&](int64_t i) { return logits.at(tile, i).data; };
+    std::fill_n(largest, count, kNothing);
     for (int64_t i = 0; i < levels; ++i)
-      for (int64_t x = 0; x < width; ++x)
-        if (of(received, y, i)[x] > 0) largest[x] = std::max(largest[x], logits.row(y, i)[x]);
-    std::fill_n(sum, width, 0.0f);
+      for (int64_t x = 0; x < count; ++x)
+        if (coverage_of(i)[x] > 0) largest[x] = std::max(largest[x], logits_of(i)[x]);
+    std::fill_n(sum, count, 0.0f);
     for (int64_t i = 0; i < levels; ++i) {
-      const float* coverage = of(received, y, i);
-      float* weight = weights + i * width;
-      for (int64_t x = 0; x < width; ++x) {
-        weight[x] = coverage[x] > 0 ? std::exp(logits.row(y, i)[x] - largest[x]) : 0.0f;
+      const float* coverage = coverage_of(i);
+      float* weight = weights + i * kTilePixels;
+      for (int64_t x = 0; x < count; ++x) {
+        weight[x] = coverage[x] > 0 ? std::exp(logits_of(i)[x] - largest[x]) : 0.0f;
         sum[x] += coverage[x] * weight[x];
       }
     }
-    for (int64_t x = 0; x < width; ++x) sum[x] = sum[x] > 0 ? sum[x] : 1.0f;
+    for (int64_t x = 0; x < count; ++x) sum[x] = sum[x] > 0 ? sum[x] : 1.0f;
     for (int64_t c = 0; c < out.planes; ++c) {
-      float* __restrict to = out.row(y, c);
-      std::fill_n(to, width, 0.0f);
+      float* __restrict to = out.at(tile, c).data;
+      std::fill_n(to, count, 0.0f);
       for (int64_t i = 0; i < levels; ++i) {
-        const float* __restrict picture = of(pictures, y, i, c);
-        const float* __restrict weight = weights + i * width;
-        for (int64_t x = 0; x < width; ++x) to[x] += weight[x] / sum[x] * picture[x];
+        const float* __restrict picture = pictures[size_t(i)].at(tile, c).data;
+        const float* __restrict weight = weights + i * kTilePixels;
+        for (int64_t x = 0; x < count; ++x) to[x] += weight[x] / sum[x] * picture[x];
       }
     }
-  }
-
-  static const float* of(const std::vector<RowWindow>& levels, int64_t y, int64_t level, int64_t c = 0) {
-    return levels[size_t(level)].row(y, c);
   }
 };
 
@@ -159,13 +158,14 @@ std::unique_ptr<Step> make_step(const graph::Received& op, const graph::Node& no
     }
   });
 }
-std::unique_ptr<Step> make_step(const graph::BlendLevels&, const graph::Node& node, StepContext& context) {
-  BlendLevelsRow row = {context.input(node, 0), context.output(node), {}, {}};
+std::unique_ptr<TileStep> make_step(const graph::BlendLevels&, const graph::Node& node,
+                                    StepContext& context) {
+  BlendLevelsTile tile = {context.input(node, 0), context.output(node), {}, {}};
   for (size_t i = 1; i < node.inputs.size(); i += 2) {
-    row.pictures.push_back(context.input(node, i));
-    row.received.push_back(context.input(node, i + 1));
+    tile.pictures.push_back(context.input(node, i));
+    tile.received.push_back(context.input(node, i + 1));
   }
-  return row_step(context, row.scratch(), row);
+  return tile_step(context, tile.scratch(), tile);
 }
 
 }  // namespace ld

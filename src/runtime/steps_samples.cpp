@@ -2,82 +2,89 @@
 #include <algorithm>
 #include <limits>
 
+#include "ops/kernels/sample_tile.h"
 #include "ops/kernels/tone_map_row.h"
-#include "runtime/frame_exposure.h"
-#include "runtime/row_step.h"
-#include "runtime/statistics_rows.h"
+#include "runtime/tile_step.h"
 
 namespace ld {
-std::unique_ptr<Step> make_step(const graph::MaskedMean&, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::MaskedMean&, const graph::Node& node, StepContext& context) {
   const RowWindow values = context.input(node, 0), valid = context.input(node, 1), out = context.output(node);
-  return row_step(context, valid.pitch, [=](int64_t y, float* share) {
-    shares(valid, y, share);
+  return tile_step(context, kTilePixels, [=](const PixelTile& tile, float* share) {
+    const PlanarRow x = values.at(tile), drawn = valid.at(tile);
+    const int64_t pixels = padded(tile.count);
+    valid_shares(drawn, valid.planes, pixels, share);
     for (int64_t c = 0; c < out.planes; ++c)
-      mean_of(
-          valid, y, share, [&](int64_t s) { return values.row(y, s * out.planes + c); }, out.row(y, c));
+      mean_of_items({x.plane(c), out.planes * x.pitch}, drawn, share, valid.planes, pixels,
+                    out.at(tile, c).data);
   });
 }
 
-std::unique_ptr<Step> make_step(const graph::Statistics&, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::Statistics&, const graph::Node& node, StepContext& context) {
   const RowWindow values = context.input(node, 0), valid = context.input(node, 1), out = context.output(node);
-  return row_step(context, 2 * valid.pitch, [=](int64_t y, float* share) {
-    shares(valid, y, share);
-    const int64_t channels = out.planes / 2;
+  return tile_step(context, kTilePixels, [=](const PixelTile& tile, float* share) {
+    const PlanarRow x = values.at(tile), drawn = valid.at(tile);
+    const int64_t pixels = padded(tile.count), channels = out.planes / 2;
+    valid_shares(drawn, valid.planes, pixels, share);
     for (int64_t c = 0; c < channels; ++c)
-      mean_and_variance(
-          valid, y, share, [&](int64_t s) { return values.row(y, s * channels + c); }, share + valid.pitch,
-          out.row(y, c), out.row(y, channels + c));
+      moments_of_items({x.plane(c), channels * x.pitch}, drawn, share, valid.planes, pixels,
+                       out.at(tile, c).data, out.at(tile, channels + c).data);
   });
 }
 
-std::unique_ptr<Step> make_step(const graph::AnyValid&, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::AnyValid&, const graph::Node& node, StepContext& context) {
   const RowWindow valid = context.input(node, 0), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
-    for (int64_t x = 0; x < out.width; ++x) {
-      float any = 0;
-      for (int64_t s = 0; s < valid.planes; ++s) any = std::max(any, valid.row(y, s)[x]);
-      out.row(y)[x] = any;
+  return tile_step(context, 0, [=](const PixelTile& tile, float*) {
+    const PlanarRow drawn = valid.at(tile);
+    float* any = out.at(tile).data;
+    for (int64_t x = 0; x < tile.count; ++x) {
+      any[x] = 0;
+      for (int64_t s = 0; s < valid.planes; ++s) any[x] = std::max(any[x], drawn.plane(s)[x]);
     }
   });
 }
 
-std::unique_ptr<Step> make_step(const graph::LogValid&, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::LogValid&, const graph::Node& node, StepContext& context) {
   const RowWindow valid = context.input(node, 0), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return tile_step(context, 0, [=](const PixelTile& tile, float*) {
     for (int64_t s = 0; s < valid.planes; ++s)
-      for (int64_t x = 0; x < out.width; ++x)
-        out.row(y, s)[x] = valid.row(y, s)[x] != 0 ? 0.0f : -std::numeric_limits<float>::infinity();
+      for (int64_t x = 0; x < tile.count; ++x)
+        out.at(tile, s).data[x] =
+            valid.at(tile, s).data[x] != 0 ? 0.0f : -std::numeric_limits<float>::infinity();
   });
 }
 
-std::unique_ptr<Step> make_step(const graph::FirstValid&, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::FirstValid&, const graph::Node& node, StepContext& context) {
   const RowWindow values = context.input(node, 0), valid = context.input(node, 1), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return tile_step(context, 0, [=](const PixelTile& tile, float*) {
+    const PlanarRow drawn = valid.at(tile), from = values.at(tile);
+    const PlanarTarget to = out.at(tile);
     const int64_t channels = values.planes / valid.planes;
-    for (int64_t x = 0; x < out.width; ++x) {
+    for (int64_t x = 0; x < tile.count; ++x) {
       int64_t first = 0;
-      while (first + 1 < valid.planes && valid.row(y, first)[x] == 0) ++first;
-      if (valid.row(y, first)[x] == 0) first = 0;
+      while (first + 1 < valid.planes && drawn.plane(first)[x] == 0) ++first;
+      if (drawn.plane(first)[x] == 0) first = 0;
       for (int64_t s = 0; s < valid.planes; ++s) {
-        const int64_t from = valid.row(y, s)[x] != 0 ? s : first;
+        const int64_t source = drawn.plane(s)[x] != 0 ? s : first;
         for (int64_t c = 0; c < channels; ++c)
-          out.row(y, s * channels + c)[x] = values.row(y, from * channels + c)[x];
+          to.plane(s * channels + c)[x] = from.plane(source * channels + c)[x];
       }
     }
   });
 }
 
-std::unique_ptr<Step> make_step(const graph::ToneMapped& op, const graph::Node& node, StepContext& context) {
+std::unique_ptr<TileStep> make_step(const graph::ToneMapped& op, const graph::Node& node,
+                                    StepContext& context) {
   const RowWindow values = context.input(node, 0), radiance = context.input(node, 1),
                   valid = context.input(node, 2), out = context.output(node);
-  return row_step(context, 0, [=, &context](int64_t y, float*) {
-    for (int64_t c = 0; c < out.planes; ++c) std::copy_n(values.row(y, c), out.width, out.row(y, c));
+  return tile_step(context, 0, [=, &context](const PixelTile& tile, float*) {
+    for (int64_t c = 0; c < out.planes; ++c)
+      std::copy_n(values.at(tile, c).data, tile.count, out.at(tile, c).data);
     for (int64_t c = 0; c < 3; ++c) {
-      float* tone = out.row(y, op.first + c);
-      expose_row(radiance.row(y, c), context.exposure, tone, out.width);
-      tone_map_row(tone, tone, out.width);
-      for (int64_t x = 0; x < out.width; ++x) tone[x] *= valid.row(y)[x];
+      float* tone = out.at(tile, op.first + c).data;
+      expose_row(radiance.at(tile, c).data, context.source->light.exposure, tone, tile.count);
+      tone_map_row(tone, tone, tile.count);
     }
+    mask_planes(out.at(tile, op.first), 3, valid.at(tile).data, padded(tile.count));
   });
 }
 

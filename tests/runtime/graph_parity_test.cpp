@@ -4,7 +4,7 @@
 #include "dataset/input_tensors.h"
 #include "models/exposure.h"
 #include "ops/kernels/instruction_sets.h"
-#include "runtime/frame_exposure.h"
+#include "runtime/sample_source.h"
 #include "tests/runtime/graph_cases.h"
 #include "tests/runtime/run_graph.h"
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "models/check_network.h"
 #include "models/graphs/network_graph.h"
@@ -12,26 +13,30 @@ namespace {
 
 /// Every row of every value is made once and in order, is there when it is read, and fits where it is put.
 void expect_rows_to_be_there(const graph::Graph& graph) {
-  std::vector<size_t> producer(graph.values.size());
-  for (size_t n = 0; n < graph.nodes.size(); ++n)
-    for (const graph::ValueId output : graph.nodes[n].outputs) producer[output] = n;
   for (const int64_t height : {1, 2, 31, 33, 100, 257})
     for (const int64_t block : {1, 7, 32, 300}) {
       const PictureExtent picture = {2, height, 40};
       const RowSchedule schedule(graph, picture, block);
-      std::vector<int64_t> made(graph.nodes.size(), 0);
+      const std::vector<Unit>& units = schedule.units();
+      std::vector<size_t> producer(graph.values.size());
+      for (size_t u = 0; u < units.size(); ++u)
+        for (const size_t n : units[u].nodes)
+          for (const graph::ValueId output : graph.nodes[n].outputs) producer[output] = u;
+      std::vector<int64_t> made(units.size(), 0);
       int64_t done = 0;
       schedule.walk(
           [&](size_t index, int64_t begin, int64_t end) {
-            const graph::Node& node = graph.nodes[index];
             EXPECT_EQ(begin, made[index]);
-            for (const graph::ValueId input : node.inputs) {
-              const int64_t rows = graph::extent_of(graph, input, picture).height;
-              EXPECT_LE(graph::rows_read_to(node.op, end, rows), made[producer[input]]) << graph[input].name;
-              EXPECT_GE(graph::rows_read_from(node.op, begin, rows),
-                        made[producer[input]] - schedule.capacity(input))
-                  << graph[input].name << " of height " << height << " in blocks of " << block;
-            }
+            for (const size_t n : units[index].nodes)
+              for (const graph::ValueId input : graph.nodes[n].inputs) {
+                if (producer[input] == index) continue;
+                const graph::Operator& op = graph.nodes[n].op;
+                const int64_t rows = graph::extent_of(graph, input, picture).height;
+                EXPECT_LE(graph::rows_read_to(op, end, rows), made[producer[input]]) << graph[input].name;
+                EXPECT_GE(graph::rows_read_from(op, begin, rows),
+                          made[producer[input]] - schedule.capacity(input))
+                    << graph[input].name << " of height " << height << " in blocks of " << block;
+              }
             made[index] = end;
           },
           [&](int64_t begin, int64_t end) {
@@ -40,6 +45,27 @@ void expect_rows_to_be_there(const graph::Graph& graph) {
           });
       EXPECT_EQ(done, height);
     }
+}
+
+/// The names of the values that no row is made of.
+std::set<std::string> names_in_tiles(const graph::Graph& graph) {
+  const RowSchedule schedule(graph, {8, 100, 40}, 32);
+  std::set<std::string> names;
+  for (graph::ValueId id = 0; id < graph.values.size(); ++id)
+    if (schedule.capacity(id) == 0) names.insert(graph[id].name);
+  return names;
+}
+
+TEST(Units, WhatPixelwiseNodesLeaveToOneAnotherIsNoRow) {
+  NetworkConfig config;
+  config.demodulation = "albedo";
+  config.rejection = true;
+  EXPECT_EQ(names_in_tiles(network_graph(config)),
+            (std::set<std::string>{"features", "radiance", "sample_partitioner", "log_n", "opacity",
+                                   "composited"}));
+  config.name = "pixel_splat";
+  EXPECT_EQ(names_in_tiles(network_graph(config)),
+            (std::set<std::string>{"features", "radiance", "valid", "demodulated", "statistics", "drawn"}));
 }
 
 TEST(RowSchedule, RowsAreThereAsLongAsTheyAreRead) {
@@ -89,7 +115,7 @@ TEST(RowSchedule, AValueThatNobodyReadsTwiceNeedsABlock) {
   const graph::Graph graph = network_graph(config);
   const RowSchedule schedule(graph, {8, 1080, 1920}, 32);
   for (graph::ValueId id = 0; id < graph.values.size(); ++id)
-    if (graph[id].name == "features") {
+    if (graph[id].name == "composited") {
       EXPECT_EQ(schedule.capacity(id), 32);
     }
 }

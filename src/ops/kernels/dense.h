@@ -22,6 +22,15 @@ inline int64_t padded(int64_t pixels) {
 struct PlanarRow {
   const float* data = nullptr;
   int64_t pitch = 0;
+  const float* plane(int64_t c) const { return data + c * pitch; }
+};
+
+/// The same, to be written.
+struct PlanarTarget {
+  float* data = nullptr;
+  int64_t pitch = 0;
+  float* plane(int64_t c) const { return data + c * pitch; }
+  operator PlanarRow() const { return {data, pitch}; }
 };
 
 using Floats = hwy::AlignedFreeUniquePtr<float[]>;

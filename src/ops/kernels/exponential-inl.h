@@ -36,6 +36,13 @@ HWY_INLINE V exp_negative(D d, V x) {
   return hn::IfThenElseZero(hn::Ge(x, hn::Set(d, -87.336544f)), scaled);
 }
 
+/// 1 / (1 + exp(-x)); no power overflows. NaN stays.
+HWY_INLINE V sigmoid(D d, V x) {
+  const V one = hn::Set(d, 1.0f), e = exp_negative(d, hn::Neg(hn::Abs(x)));
+  const V above = hn::Div(hn::IfThenElse(hn::Lt(x, hn::Zero(d)), e, one), hn::Add(one, e));
+  return hn::IfThenElse(hn::Ne(x, x), x, above);
+}
+
 /// A logit within its range; NaN as the lowest.
 HWY_INLINE V bounded_logit(D d, V z) {
   const V lowest = hn::Set(d, kLowestLogit);

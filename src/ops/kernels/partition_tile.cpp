@@ -35,12 +35,11 @@ HWY_INLINE void store(D d, V v, float* to, int64_t count) {
 /// The pixels of a tile, by vectors: x of the tile, `left` pixels from there on.
 struct Tile {
   const PartitionShape& shape;
-  int64_t begin, count;
+  int64_t count;
   template <class Body>
   HWY_INLINE void each(const Body& body) const {
     for (int64_t x = 0; x < count; x += lanes()) body(x, count - x);
   }
-  int64_t at(int64_t plane, int64_t x) const { return plane * shape.plane + begin + x; }
 };
 
 /// Which samples count: drawn, and of finite radiance. Returns their number.
@@ -48,11 +47,11 @@ HWY_INLINE V count_samples(D d, const Tile& tile, const PartitionInput& in, int6
                            PartitionScratch& scratch) {
   V count = hn::Zero(d);
   for (int64_t s = 0; s < tile.shape.samples; ++s) {
-    auto counts = hn::Ne(load(d, in.valid + tile.at(s, x), left), hn::Zero(d));
+    auto counts = hn::Ne(load(d, in.valid.plane(s) + x, left), hn::Zero(d));
     for (int64_t c = 0; c < tile.shape.channels; ++c)
-      counts = hn::And(counts,
-                       hn::Lt(hn::Abs(load(d, in.radiance + tile.at(tile.shape.channels * s + c, x), left)),
-                              hn::Set(d, kInfinity)));
+      counts =
+          hn::And(counts, hn::Lt(hn::Abs(load(d, in.radiance.plane(tile.shape.channels * s + c) + x, left)),
+                                 hn::Set(d, kInfinity)));
     hn::Store(hn::VecFromMask(d, counts), d, scratch.mask.row(s) + x);
     count = hn::Add(count, hn::IfThenElseZero(counts, hn::Set(d, 1.0f)));
   }
@@ -66,7 +65,7 @@ HWY_INLINE void weights(D d, const Tile& tile, const PartitionInput& in, int64_t
   for (int64_t s = 0; s < tile.shape.samples; ++s) {
     V largest = hn::Set(d, kLowestLogit);
     for (int64_t l = 0; l < layers; ++l) {
-      const V z = bounded_logit(d, load(d, in.logits + tile.at(s * layers + l, x), left));
+      const V z = bounded_logit(d, load(d, in.logits.plane(s * layers + l) + x, left));
       hn::Store(z, d, scratch.log_w.row(s * layers + l) + x);
       largest = hn::Max(largest, z);
     }
@@ -132,14 +131,14 @@ HWY_INLINE V share_of(D d, const PartitionShape& shape, const Occupancy& n, int6
 /// kTogether vectors of pixels: each value is read once, and enough sums are under way at a time.
 template <int kLayers, int kTogether>
 HWY_INLINE void sum_pixels(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
-                           const float* values, int64_t channels, int64_t c, int64_t l, float* sums,
+                           PlanarRow values, int64_t channels, int64_t c, int64_t l, PlanarTarget sums,
                            int64_t x, int64_t left) {
   V sum[kLayers][kTogether];
 #pragma GCC unroll 4
   for (int k = 0; k < kLayers; ++k)
 #pragma GCC unroll 4
     for (int v = 0; v < kTogether; ++v) sum[k][v] = hn::Zero(d);
-  const float* from = values + tile.at(c, x);
+  const float* from = values.plane(c) + x;
   const float* mask = scratch.mask.row(0) + x;
   const float* factor = factors.row(l) + x;
   for (int64_t s = 0; s < tile.shape.samples; ++s) {
@@ -151,7 +150,7 @@ HWY_INLINE void sum_pixels(D d, const Tile& tile, const StagedRows& factors, con
       for (int k = 0; k < kLayers; ++k)
         sum[k][v] = hn::MulAdd(hn::Load(d, factor + k * factors.pitch() + v * lanes()), value, sum[k][v]);
     }
-    from += channels * tile.shape.plane;
+    from += channels * values.pitch;
     mask += scratch.mask.pitch();
     factor += tile.shape.layers * factors.pitch();
   }
@@ -159,12 +158,12 @@ HWY_INLINE void sum_pixels(D d, const Tile& tile, const StagedRows& factors, con
   for (int k = 0; k < kLayers; ++k)
 #pragma GCC unroll 4
     for (int v = 0; v < kTogether; ++v)
-      store(d, sum[k][v], sums + tile.at((l + k) * channels + c, x + v * lanes()), left - v * lanes());
+      store(d, sum[k][v], sums.plane((l + k) * channels + c) + x + v * lanes(), left - v * lanes());
 }
 
 template <int kLayers>
 HWY_INLINE void sum_layers(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
-                           const float* values, int64_t channels, int64_t c, int64_t l, float* sums) {
+                           PlanarRow values, int64_t channels, int64_t c, int64_t l, PlanarTarget sums) {
   constexpr int kTogether = 4;
   int64_t x = 0;
   for (; tile.count - x >= kTogether * lanes(); x += kTogether * lanes())
@@ -176,7 +175,7 @@ HWY_INLINE void sum_layers(D d, const Tile& tile, const StagedRows& factors, con
 
 /// All channels and layers.
 HWY_INLINE void sum_values(D d, const Tile& tile, const StagedRows& factors, const PartitionScratch& scratch,
-                           const float* values, int64_t channels, float* sums) {
+                           PlanarRow values, int64_t channels, PlanarTarget sums) {
   for (int64_t c = 0; c < channels; ++c) {
     int64_t l = 0;
     for (; l + 2 <= tile.shape.layers; l += 2)
@@ -186,9 +185,9 @@ HWY_INLINE void sum_values(D d, const Tile& tile, const StagedRows& factors, con
 }
 
 void tile_forward(const PartitionShape& shape, const PartitionInput& in, const PartitionOutput& out,
-                  int64_t begin, int64_t count, PartitionScratch& scratch) {
+                  int64_t count, PartitionScratch& scratch) {
   const D d;
-  const Tile tile{shape, begin, count};
+  const Tile tile{shape, count};
   tile.each([&](int64_t x, int64_t left) {
     const V samples = count_samples(d, tile, in, x, left, scratch);
     const auto any = hn::Gt(samples, hn::Zero(d));
@@ -206,17 +205,17 @@ void tile_forward(const PartitionShape& shape, const PartitionInput& in, const P
       V log_n = hn::Zero(d);  // n_0 = 1
       if (l > 0 || !shape.alpha)
         log_n = hn::Add(n.largest, hn::Sub(hn::Log(d, n.total), hn::Log(d, samples)));
-      store(d, hn::IfThenElse(any, log_n, hn::Set(d, -kInfinity)), out.log_n + tile.at(l, x), left);
-      store(d, opacity, out.opacity + tile.at(l, x), left);
-      if (out.transmittance != nullptr) store(d, transmittance, out.transmittance + tile.at(l, x), left);
+      store(d, hn::IfThenElse(any, log_n, hn::Set(d, -kInfinity)), out.log_n.plane(l) + x, left);
+      store(d, opacity, out.opacity.plane(l) + x, left);
+      if (out.transmittance.data != nullptr) store(d, transmittance, out.transmittance.plane(l) + x, left);
     }
   });
   sum_values(d, tile, scratch.share, scratch, in.radiance, shape.channels, out.radiance);
   sum_values(d, tile, scratch.weight, scratch, in.embedding, shape.embedding, out.embedding);
 }
 
-HWY_INLINE V load_gradient(D d, const float* gradient, int64_t index, int64_t left) {
-  return gradient == nullptr ? hn::Zero(d) : load(d, gradient + index, left);
+HWY_INLINE V load_gradient(D d, PlanarRow gradient, int64_t plane, int64_t x, int64_t left) {
+  return gradient.data == nullptr ? hn::Zero(d) : load(d, gradient.plane(plane) + x, left);
 }
 
 /// A gradient times a value, within what the sums that follow can hold.
@@ -230,18 +229,17 @@ HWY_INLINE void layer_backward(D d, const Tile& tile, const PartitionInput& in, 
                                int64_t l, int64_t x, int64_t left, PartitionScratch& scratch) {
   const PartitionShape& shape = tile.shape;
   const Occupancy n = occupancy(d, shape, l, x, scratch);
-  const V of_opacity = load_gradient(d, from.opacity, tile.at(l, x), left),
-          of_transmittance = load_gradient(d, from.transmittance, tile.at(l, x), left),
-          of_log_n = l > 0 || !shape.alpha ? load_gradient(d, from.log_n, tile.at(l, x), left) : hn::Zero(d);
+  const V of_opacity = load_gradient(d, from.opacity, l, x, left),
+          of_transmittance = load_gradient(d, from.transmittance, l, x, left),
+          of_log_n = l > 0 || !shape.alpha ? load_gradient(d, from.log_n, l, x, left) : hn::Zero(d);
   V mean = hn::Zero(d);  // of the gradients of the shares, weighted by them: a softmax's own
   for (int64_t s = 0; s < shape.samples; ++s) {
     V pull = of_opacity;
     for (int64_t c = 0; c < shape.channels; ++c) {
-      const V value = hn::And(load(d, in.radiance + tile.at(shape.channels * s + c, x), left),
+      const V value = hn::And(load(d, in.radiance.plane(shape.channels * s + c) + x, left),
                               hn::Load(d, scratch.mask.row(s) + x));
       pull = hn::Add(
-          pull, bounded_product(d, load_gradient(d, from.radiance, tile.at(shape.channels * l + c, x), left),
-                                value));
+          pull, bounded_product(d, load_gradient(d, from.radiance, shape.channels * l + c, x, left), value));
     }
     const V share = share_of(d, shape, n, s, l, x);
     hn::Store(share, d, scratch.share.row(s * shape.layers + l) + x);
@@ -270,16 +268,16 @@ HWY_INLINE void embedding_backward(D d, const Tile& tile, const PartitionInput& 
   for (int64_t l = 0; l < layers; ++l) std::fill_n(scratch.pull.row(l), kPartitionPixels, 0.0f);
   for (int64_t c = 0; c < channels; ++c)
     tile.each([&](int64_t x, int64_t left) {
-      const V value = hn::And(load(d, in.embedding + tile.at(s * channels + c, x), left),
+      const V value = hn::And(load(d, in.embedding.plane(s * channels + c) + x, left),
                               hn::Load(d, scratch.mask.row(s) + x));
       V sum = hn::Zero(d);
       for (int64_t l = 0; l < layers; ++l) {
-        const V g = load(d, from.embedding + tile.at(l * channels + c, x), left);
+        const V g = load(d, from.embedding.plane(l * channels + c) + x, left);
         float* pull = scratch.pull.row(l) + x;
         hn::Store(hn::MulAdd(g, value, hn::Load(d, pull)), d, pull);
         sum = hn::MulAdd(hn::Load(d, scratch.weight.row(s * layers + l) + x), g, sum);
       }
-      if (to.embedding != nullptr) store(d, sum, to.embedding + tile.at(s * channels + c, x), left);
+      if (to.embedding.data != nullptr) store(d, sum, to.embedding.plane(s * channels + c) + x, left);
     });
   tile.each([&](int64_t x, int64_t) {
     for (int64_t l = 0; l < layers; ++l) {
@@ -292,10 +290,9 @@ HWY_INLINE void embedding_backward(D d, const Tile& tile, const PartitionInput& 
 }
 
 void tile_backward(const PartitionShape& shape, const PartitionInput& in, const PartitionGradient& from,
-                   const PartitionInputGradient& to, int64_t begin, int64_t count,
-                   PartitionScratch& scratch) {
+                   const PartitionInputGradient& to, int64_t count, PartitionScratch& scratch) {
   const D d;
-  const Tile tile{shape, begin, count};
+  const Tile tile{shape, count};
   const int64_t layers = shape.layers;
   tile.each([&](int64_t x, int64_t left) {
     const V samples = count_samples(d, tile, in, x, left, scratch);
@@ -307,11 +304,11 @@ void tile_backward(const PartitionShape& shape, const PartitionInput& in, const 
     for (int64_t l = 0; l < layers; ++l) layer_backward(d, tile, in, from, l, x, left, scratch);
   });
   for (int64_t s = 0; s < shape.samples; ++s) {
-    if (from.embedding != nullptr) {
+    if (from.embedding.data != nullptr) {
       embedding_backward(d, tile, in, from, to, s, scratch);
-    } else if (to.embedding != nullptr) {
+    } else if (to.embedding.data != nullptr) {
       for (int64_t c = 0; c < shape.embedding; ++c)
-        std::fill_n(to.embedding + tile.at(s * shape.embedding + c, 0), count, 0.0f);
+        std::fill_n(to.embedding.plane(s * shape.embedding + c), count, 0.0f);
     }
   }
   tile.each([&](int64_t x, int64_t left) {
@@ -323,15 +320,15 @@ void tile_backward(const PartitionShape& shape, const PartitionInput& in, const 
         // Back through the log-softmax of eq. 1; a sample that does not count has gradients and w of 0.
         const V w = exp_negative(d, hn::Load(d, scratch.log_w.row(s * layers + l) + x));
         const V gradient = hn::NegMulAdd(w, total, hn::Load(d, scratch.gradient.row(s * layers + l) + x));
-        store(d, gradient, to.logits + tile.at(s * layers + l, x), left);
+        store(d, gradient, to.logits.plane(s * layers + l) + x, left);
       }
-      if (to.radiance == nullptr) continue;
+      if (to.radiance.data == nullptr) continue;
       for (int64_t c = 0; c < shape.channels; ++c) {
         V sum = hn::Zero(d);
         for (int64_t l = 0; l < layers; ++l)
           sum = hn::MulAdd(hn::Load(d, scratch.share.row(s * layers + l) + x),
-                           load_gradient(d, from.radiance, tile.at(shape.channels * l + c, x), left), sum);
-        store(d, sum, to.radiance + tile.at(shape.channels * s + c, x), left);
+                           load_gradient(d, from.radiance, shape.channels * l + c, x, left), sum);
+        store(d, sum, to.radiance.plane(shape.channels * s + c) + x, left);
       }
     }
   });
@@ -357,14 +354,14 @@ HWY_EXPORT(tile_forward);
 HWY_EXPORT(tile_backward);
 
 void partition_tile(const PartitionShape& shape, const PartitionInput& in, const PartitionOutput& out,
-                    int64_t begin, int64_t count, PartitionScratch& scratch) {
-  HWY_DYNAMIC_DISPATCH(tile_forward)(shape, in, out, begin, count, scratch);
+                    int64_t count, PartitionScratch& scratch) {
+  HWY_DYNAMIC_DISPATCH(tile_forward)(shape, in, out, count, scratch);
 }
 
 void partition_tile_backward(const PartitionShape& shape, const PartitionInput& in,
-                             const PartitionGradient& from, const PartitionInputGradient& to, int64_t begin,
-                             int64_t count, PartitionScratch& scratch) {
-  HWY_DYNAMIC_DISPATCH(tile_backward)(shape, in, from, to, begin, count, scratch);
+                             const PartitionGradient& from, const PartitionInputGradient& to, int64_t count,
+                             PartitionScratch& scratch) {
+  HWY_DYNAMIC_DISPATCH(tile_backward)(shape, in, from, to, count, scratch);
 }
 
 }  // namespace ld

@@ -1,5 +1,5 @@
 // Inner loops of ops/partition.h for one picture, float32, for every SIMD width (Highway): a tile of pixels
-// at a time, one pass over its samples. Arrays are planar, [...][plane].
+// at a time, one pass over its samples. Arrays are planar, [...][pitch].
 #pragma once
 
 #include "ops/kernels/filter.h"
@@ -7,34 +7,34 @@
 namespace ld {
 
 struct PartitionShape {
-  int64_t samples, layers, channels, embedding, plane;
+  int64_t samples, layers, channels, embedding;
   bool alpha;  // n_l counts the layers behind, else w_l alone
 };
 
 constexpr int64_t kPartitionPixels = 128;  // of a tile: half a page of each plane
 
 struct PartitionInput {
-  const float* logits;     // [S][N]
-  const float* valid;      // [S]
-  const float* radiance;   // [S][C]
-  const float* embedding;  // [S][E]
+  PlanarRow logits;     // [S][N]
+  PlanarRow valid;      // [S]
+  PlanarRow radiance;   // [S][C]
+  PlanarRow embedding;  // [S][E]
 };
 
 struct PartitionOutput {
-  float* log_n;          // [N]
-  float* radiance;       // [N][C]
-  float* opacity;        // [N]
-  float* transmittance;  // [N], null unless alpha
-  float* embedding;      // [N][E]
+  PlanarTarget log_n;          // [N]
+  PlanarTarget radiance;       // [N][C]
+  PlanarTarget opacity;        // [N]
+  PlanarTarget transmittance;  // [N], none unless alpha
+  PlanarTarget embedding;      // [N][E]
 };
 
-/// Gradients of the outputs come in; null where there is none.
+/// Gradients of the outputs come in; none where there is none.
 struct PartitionGradient {
-  const float *log_n, *radiance, *opacity, *transmittance, *embedding;
+  PlanarRow log_n, radiance, opacity, transmittance, embedding;
 };
-/// What goes out; radiance and embedding may be null.
+/// What goes out; radiance and embedding may be left out.
 struct PartitionInputGradient {
-  float *logits, *radiance, *embedding;
+  PlanarTarget logits, radiance, embedding;
 };
 
 /// One thread's memory: rows of kPartitionPixels.
@@ -49,11 +49,11 @@ struct PartitionScratch {
   explicit PartitionScratch(const PartitionShape& shape);
 };
 
-/// Pixels [begin, begin + count), count <= kPartitionPixels.
+/// The first `count` pixels of all planes, count <= kPartitionPixels.
 void partition_tile(const PartitionShape& shape, const PartitionInput& in, const PartitionOutput& out,
-                    int64_t begin, int64_t count, PartitionScratch& scratch);
+                    int64_t count, PartitionScratch& scratch);
 void partition_tile_backward(const PartitionShape& shape, const PartitionInput& in,
-                             const PartitionGradient& from, const PartitionInputGradient& to, int64_t begin,
-                             int64_t count, PartitionScratch& scratch);
+                             const PartitionGradient& from, const PartitionInputGradient& to, int64_t count,
+                             PartitionScratch& scratch);
 
 }  // namespace ld

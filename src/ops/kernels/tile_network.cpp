@@ -57,6 +57,12 @@ TileNetwork::Scratch TileNetwork::make_scratch(int64_t pixels, bool backward) co
   return s;
 }
 
+std::vector<TileNetwork::Scratch> TileNetwork::make_scratches(int threads, int64_t pixels) const {
+  std::vector<Scratch> scratches;
+  for (int t = 0; t < threads; ++t) scratches.push_back(make_scratch(pixels, false));
+  return scratches;
+}
+
 void TileNetwork::begin_tile(Scratch& s, int64_t pixels, PlanarRow shared) const {
   if (s.first_gradient != nullptr) std::fill_n(s.first_gradient, layers_[0].outputs * s.pitch, 0.0f);
   if (shared_inputs() == 0) return;
@@ -71,10 +77,10 @@ void TileNetwork::begin_tile(Scratch& s, int64_t pixels, PlanarRow shared) const
   multiply(product);
 }
 
-void TileNetwork::forward(Scratch& s, int64_t pixels, PlanarRow x, float* out, int64_t out_pitch) const {
+void TileNetwork::forward(Scratch& s, int64_t pixels, PlanarRow x, PlanarTarget out) const {
   for (int64_t i = 0; i < depth(); ++i) {
     const size_t layer = size_t(i);
-    const bool given = i + 1 == depth() && out != nullptr;
+    const bool given = i + 1 == depth() && out.data != nullptr;
     TileProduct product;
     product.weights = &forward_[layer];
     product.in = i == 0 ? x.data : s.a[layer - 1];
@@ -85,8 +91,8 @@ void TileNetwork::forward(Scratch& s, int64_t pixels, PlanarRow x, float* out, i
     } else {
       product.bias = layers_[layer].biases;
     }
-    product.out = given ? out : s.a[layer];
-    product.out_pitch = given ? out_pitch : s.pitch;
+    product.out = given ? out.data : s.a[layer];
+    product.out_pitch = given ? out.pitch : s.pitch;
     product.pixels = padded(pixels);
     product.epilogue = activated(i) ? Epilogue::leaky_relu : Epilogue::none;
     if (i + 1 == depth() && last_.bound > 0) {

@@ -48,6 +48,8 @@ class TileNetwork {
     float *x_gradient = nullptr, *first_gradient = nullptr, *shared_gradient = nullptr;
   };
   Scratch make_scratch(int64_t pixels, bool backward) const;
+  /// One for each of so many threads, for forward() alone.
+  std::vector<Scratch> make_scratches(int threads, int64_t pixels) const;
 
   /// `shared` (scratch.shared, or rows elsewhere that are aligned alike) -> scratch.shared_sum, once a tile.
   void begin_tile(Scratch& scratch, int64_t pixels, PlanarRow shared) const;
@@ -55,11 +57,11 @@ class TileNetwork {
     begin_tile(scratch, pixels, {scratch.shared, scratch.pitch});
   }
 
-  /// `x` (scratch.x, or rows elsewhere) -> scratch.a; the last layer goes to `out` [outputs][pitch] where
-  /// that is given.
-  void forward(Scratch& scratch, int64_t pixels, PlanarRow x, float* out, int64_t out_pitch) const;
-  void forward(Scratch& scratch, int64_t pixels, float* out = nullptr, int64_t out_pitch = 0) const {
-    forward(scratch, pixels, {scratch.x, scratch.pitch}, out, out_pitch);
+  /// `x` (scratch.x, or rows elsewhere) -> scratch.a; the last layer goes to `out` [outputs] where that is
+  /// given.
+  void forward(Scratch& scratch, int64_t pixels, PlanarRow x, PlanarTarget out) const;
+  void forward(Scratch& scratch, int64_t pixels, PlanarTarget out = {}) const {
+    forward(scratch, pixels, {scratch.x, scratch.pitch}, out);
   }
 
   /// Where the gradients of weights and biases are summed.

@@ -101,9 +101,10 @@ LD_API LdStatus ld_set_alpha(LdDenoiser* denoiser, const float* samples, const L
 /* Which samples were drawn, [spp][height][width], 0 for no; NULL (the default): all. */
 LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
 
-/* Bounds what the whole process takes while ld_denoise() runs, the samples' copy aside, in MB of 2^20 bytes:
- * program, libraries and your own memory count. 0 (the default): no bound. The bound changes no bit of
- * the picture. One that is too small makes ld_denoise() fail and name the smallest one. */
+/* Bounds what the whole process takes while ld_denoise() runs, in MB of 2^20 bytes: program, libraries and
+ * your own memory count. Models read the samples where they lie; the copy that filters make does not count.
+ * 0 (the default): no bound. The bound changes no bit of the picture. One that is too small makes
+ * ld_denoise() fail and name the smallest one. */
 LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
 
 /* Of the following frames, for filters: the matrices that OpenEXR has as worldToCamera and worldToNDC, 16
