@@ -7,8 +7,8 @@ renders a frame and calls
 
 Everything begins with the samples as numpy arrays [samples, height, width, channels] and ends with a picture [height, width, 3]:
 
-- ours: `layered_denoiser.Denoiser.denoise` of all features that the weights read: its copy of the samples, the search for invalid ones, the
-  median depth, the encoding, the network.
+- ours: `layered_denoiser.Denoiser.denoise` of all features that the weights read: the search for invalid samples, the median depth, the
+  encoding, the network.
 - Open Image Denoise: the means of radiance, albedo and normal over the samples, made by numpy on as many threads (oidn_filter.py), and its
   filter on them (hdr, cleanAux off). The means count; how much of the time they are is shown.
 

@@ -12,7 +12,7 @@ LdStrides planar(int width, int height, int channels) {
   return {channels * plane, plane, row, 1};
 }
 
-SampleArray array_of(const float* data, const LdStrides& strides) {
+StridedArray array_of(const float* data, const LdStrides& strides) {
   return {data, strides.sample, strides.channel, strides.row, strides.pixel};
 }
 

@@ -41,14 +41,14 @@ class FrameBuffers {
  private:
   /// In and out.
   struct Part {
-    SampleArray samples;
+    StridedArray samples;
     float* picture;
     LdStrides picture_strides;
   };
   Part part_of(const char* what, int channels, const float* samples, const LdStrides* strides, float* picture,
                const LdStrides* picture_strides) const;
   int width_ = 0, height_ = 0, spp_ = 0;
-  std::map<std::string, SampleArray> features_;
+  std::map<std::string, StridedArray> features_;
   std::vector<Part> parts_;
   std::optional<Part> alpha_;
   const uint8_t* valid_ = nullptr;

@@ -31,7 +31,7 @@ using Histogram = std::vector<int64_t>;  // of 2^16
 /// Depths of all samples and which of them count.
 struct Depths {
   int width, height, spp;
-  SampleArray array;     // one channel
+  StridedArray array;    // one channel
   const uint8_t* valid;  // [spp, height, width]
 
   /// Of digit(ordered bits) over the depths that count; a digit below 0 does not.
@@ -91,7 +91,7 @@ float median_of(const Depths& depths, int threads) {
 float median_depth(const Frame& frame, int threads) {
   if (!frame.holds("depth")) return 1;
   const auto plane = static_cast<ptrdiff_t>(frame.plane_size());
-  const SampleArray array = {frame.plane(0, kDepthOffset), frame.channels * plane, plane, frame.width, 1};
+  const StridedArray array = {frame.plane(0, kDepthOffset), frame.channels * plane, plane, frame.width, 1};
   return median_of({frame.width, frame.height, frame.spp, array, frame.valid.data()}, threads);
 }
 

@@ -2,21 +2,16 @@
 
 #include <algorithm>
 
+#include "frame/colour_rows.h"
+
 namespace ld {
 namespace {
 
 /// Planes [channels], `pitch` floats apart.
-void copy_planes(const float* from, const SampleArray& strides, int channels, size_t count, float* to,
+void copy_planes(const float* from, const StridedArray& strides, int channels, size_t count, float* to,
                  size_t pitch) {
-  if (channels == 3 && strides.channel == 1 && strides.pixel == 3) {  // the rule
-    float *const red = to, *const green = to + pitch, *const blue = to + 2 * pitch;
-    for (size_t x = 0; x < count; ++x) {
-      red[x] = from[3 * x];
-      green[x] = from[3 * x + 1];
-      blue[x] = from[3 * x + 2];
-    }
-    return;
-  }
+  if (channels == 3 && strides.channel == 1 && strides.pixel == 3)  // the rule
+    return split_colours(from, count, {to, to + pitch, to + 2 * pitch});
   for (int c = 0; c < channels; ++c, from += strides.channel, to += pitch)
     if (strides.pixel == 1)
       std::copy_n(from, count, to);
@@ -38,7 +33,7 @@ Frame SampleArrays::make_frame(int pixels, int rows, int samples) const {
 
 void SampleArrays::copy(const SamplePlace& place, Frame& to, int to_sample, size_t first) const {
   const auto count = static_cast<size_t>(place.count);
-  const auto copy_array = [&](const SampleArray& array, int channels, float* plane) {
+  const auto copy_array = [&](const StridedArray& array, int channels, float* plane) {
     const float* from =
         array.data + place.sample * array.sample + place.y * array.row + place.x * array.pixel;
     copy_planes(from, array, channels, count, plane + first, to.plane_size());

@@ -13,7 +13,7 @@ namespace ld {
 
 /// A number of sample s, channel c and pixel (x, y) lies at data[s * sample + c * channel + y * row + x *
 /// pixel].
-struct SampleArray {
+struct StridedArray {
   const float* data = nullptr;
   ptrdiff_t sample = 0, channel = 0, row = 0, pixel = 0;
 };
@@ -27,12 +27,12 @@ struct SamplePlace {
 struct SampleArrays {
   struct OfFeature {
     const Feature* feature;
-    SampleArray array;
+    StridedArray array;
   };
   int width = 0, height = 0, spp = 0;
   std::vector<OfFeature> features;
-  std::vector<SampleArray> parts;  // of the light
-  std::optional<SampleArray> alpha;
+  std::vector<StridedArray> parts;  // of the light
+  std::optional<StridedArray> alpha;
   const uint8_t* valid = nullptr;  // [spp, height, width], 0 for samples that do not count; null: all do
   float depth_scale = 0;           // FrameInfo::depth_scale; 0: the median of the depths
 
