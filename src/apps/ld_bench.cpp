@@ -203,7 +203,7 @@ Commands declare(CLI::App& app, Options& options) {
       "network",
       "whole networks; the runtime on several sizes; cost, time by stage and by number of samples");
   commands.render = app.add_subcommand("render", "the path tracer against Embree alone on the same rays");
-  commands.filters = app.add_subcommand("filters", "EAW and SVGF at 1920x1080 and at twice as many rows");
+  commands.filters = app.add_subcommand("filters", "EAW and SVGF at 1920x1080 and at half as many rows");
   commands.loader = app.add_subcommand("loader", "crops from a data set, and the making of their cache");
   declare_loader(*commands.loader, options.loader);
   commands.tradeoff =
