@@ -54,7 +54,7 @@ struct EawSettings {
 /// Schied et al. 2017.
 struct SvgfSettings {
   IlluminationSettings light;
-  int64_t levels = 5;            // à-trous passes, each of twice the reach of the one before
+  int64_t levels = 5;            // à-trous passes, each of twice the reach; 0: accumulated light, unfiltered
   double alpha = 0.2;            // least share of the new frame in the colour
   double alpha_moments = 0.2;    // and in the moments
   int64_t longest_history = 32;  // frames
@@ -75,7 +75,7 @@ struct SvgfSettings {
   template <class Visitor>
   void visit(Visitor& v) {
     light.visit(v);
-    v.field("levels", levels, {1, 5});
+    v.field("levels", levels, {0, 5});
     v.field("alpha", alpha, {0, 1});
     v.field("alpha_moments", alpha_moments, {0, 1});
     v.field("longest_history", longest_history, {1, 65536});

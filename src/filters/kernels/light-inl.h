@@ -6,6 +6,8 @@
 #define LD_FILTERS_LIGHT_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
+
 #include "filters/kernels/level_row.h"
 #include "filters/kernels/luminance.h"
 #include "filters/kernels/surfaces.h"
@@ -84,6 +86,14 @@ HWY_INLINE V power_of_two(D d, V x) {
 }
 
 constexpr float kLog2E = 1.44269504F;
+
+/// Fetches what the next row will be the first to read at x.
+HWY_INLINE void fetch_ahead(const LevelRow& row, int64_t x) {
+  constexpr int64_t kLine = 16;  // floats
+  if (row.next_in == nullptr || x % kLine != 0) return;
+  for (int64_t p = 0; p < kSurfacePlanes; ++p) hwy::Prefetch(row.next_surfaces + p * row.pitch + x);
+  for (int64_t p = 0; p < row.in_planes; ++p) hwy::Prefetch(row.next_in + p * row.pitch + x);
+}
 
 /// body(tap, same) for the taps of the pixels at x, row by row: `same` are the lanes in which here and there
 /// is the same surface.
