@@ -13,7 +13,7 @@ LayerNetwork::LayerNetwork(const NetworkConfig& config)
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
-Tensor LayerNetwork::denoise(const NetworkInput& input) {
+Tensor LayerNetwork::denoise(const NetworkInput& input, NetworkState& /*state*/) {
   const Tensor embedding = sample_reducer_->forward(input.features);           // E_xys
   const Tensor context = unet_->forward(masked_mean(embedding, input.valid));  // C_xy
   const Partition layers = make_layers(input, embedding, context);             // eq. 1 and 2

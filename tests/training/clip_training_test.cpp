@@ -43,7 +43,7 @@ TEST(ClipTraining, TheLossIsTheMeanOverAllFrames) {
   }
   ProcessGroup alone{ProcessGroupOptions{}};
   Optimizer optimizer(network, config.optimizer);
-  const Optimizer::Outcome outcome = optimizer.step(set, 0, loss, 0.01, 1, alone);
+  const Optimizer::Outcome outcome = optimizer.step(set, 0, make_clip_loss({}, loss), 0.01, 1, alone);
   EXPECT_TRUE(outcome.taken);
   EXPECT_NEAR(outcome.loss, sum / 6, 1e-5);
 }
