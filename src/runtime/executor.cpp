@@ -73,7 +73,7 @@ struct Execution::State {
         schedule(graph, picture, block),
         arena_floats(make_windows()),
         arena(arena_floats),
-        outputs(graph.further),
+        outputs(graph.outputs()),
         made(options.made) {
     float* next = arena.begin();
     for (RowWindow& window : context.windows) {
@@ -89,7 +89,26 @@ struct Execution::State {
       row_work.push_back((cost.weights + cost.taps) / rows + 4 * double(extent.planes * extent.width));
       work += row_work.back() * rows;
     }
-    outputs.insert(outputs.begin(), graph.output);
+  }
+
+  /// Nothing, or what such a graph leaves.
+  void expect_state(const FrameState& before) const {
+    const std::vector<ValueId>& state = context.graph.state;
+    if (before.empty()) return;
+    bool fits = before.size() == state.size();
+    for (size_t i = 0; fits && i < state.size(); ++i)
+      fits = before[i].width == context.picture.width && before[i].height == context.picture.height &&
+             before[i].channels == context.graph[state[i]].channels;
+    if (!fits)
+      fail("the state of a frame before is not one of this network's for {}x{} pixels; begin without one",
+           context.picture.width, context.picture.height);
+  }
+
+  /// What one frame leaves for the next.
+  int64_t state_bytes() const {
+    int64_t planes = 0;
+    for (const ValueId id : context.graph.state) planes += context.graph[id].channels;
+    return planes * context.picture.height * context.picture.width * int64_t(sizeof(float));
   }
 
   /// Floats of all windows.
@@ -103,7 +122,7 @@ struct Execution::State {
     return floats;
   }
 
-  void begin(const Frame& frame) {
+  void begin(const Frame& frame, const FrameState& before) {
     const PictureExtent& picture = context.picture;
     if (frame.width != picture.width || frame.height != picture.height || frame.spp != picture.samples)
       fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", frame.width, frame.height,
@@ -114,6 +133,8 @@ struct Execution::State {
       fail("a frame of {} light parts{}; expected {}{}", frame.parts.size(),
            frame.alpha.empty() ? " without alpha" : "", parts.colours, parts.alpha ? " and alpha" : "");
     context.frame = &frame;
+    context.before = before.empty() ? nullptr : &before;
+    expect_state(before);
     context.value_scale = filter_scale(frame, context.threads, int64_t(frame.spp) * 3, [&](int64_t i) {
       return frame.plane(int(i / 3), kRadianceOffset + int(i % 3));
     });
@@ -147,7 +168,7 @@ int64_t Execution::arena_bytes() const {
 }
 
 int64_t Execution::memory_bytes() const {
-  int64_t bytes = arena_bytes();
+  int64_t bytes = arena_bytes() + 2 * state_->state_bytes();  // the last frame's and this one's
   for (const auto& step : state_->steps) bytes += step->scratch_bytes(state_->block);
   // Steps have the weights in the order in which they read them.
   for (const graph::Parameter& parameter : graph::parameters(state_->context.graph))
@@ -163,9 +184,10 @@ const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
   return state_->context.windows[state_->outputs[output]].row(y, plane);
 }
 
-void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows) {
+void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows,
+                    const FrameState& before) {
   const FlushedDenormals flushed(state_->context.threads);
-  state_->begin(frame);
+  state_->begin(frame, before);
   double done = 0, told = 0;
   state_->schedule.walk(
       [&](size_t node, int64_t begin, int64_t end) {
@@ -186,16 +208,17 @@ void Execution::run(const Frame& frame, const Progress& progress, const Rows& ro
   if (progress && told < 1) progress(1);
 }
 
-std::vector<Image> Execution::run(const Frame& frame, const Progress& progress) {
+std::vector<Image> Execution::run(const Frame& frame, const Progress& progress, const FrameState& before) {
   std::vector<Image> images;
   for (const ValueId output : state_->outputs)
     images.emplace_back(frame.width, frame.height, int(state_->context.windows[output].planes));
-  run(frame, progress, [&](int64_t begin, int64_t end) {
+  const Rows keep = [&](int64_t begin, int64_t end) {
     for (size_t i = 0; i < images.size(); ++i)
       for (int64_t y = begin; y < end; ++y)
         for (int c = 0; c < images[i].channels; ++c)
           std::copy_n(row(i, c, y), frame.width, &images[i].at(c, 0, int(y)));
-  });
+  };
+  run(frame, progress, keep, before);
   return images;
 }
 

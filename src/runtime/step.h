@@ -6,6 +6,7 @@
 
 #include "frame/frame.h"
 #include "graph/graph.h"
+#include "runtime/frame_state.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
 #include "weights/named_weights.h"
@@ -34,7 +35,8 @@ struct StepContext {
 
   // Of the frame that runs.
   const Frame* frame = nullptr;
-  double exposure = 1;  // of radiance as the network sees it, where the graph says so
+  const FrameState* before = nullptr;  // null at the start of a sequence
+  double exposure = 1;                 // of radiance as the network sees it, where the graph says so
   // Of radiance, and of parts of it, in filters, whose sums could overflow (ops/finite_sources.h).
   float value_scale = 1, part_scale = 1;
 
@@ -73,6 +75,9 @@ std::unique_ptr<Step> make_step(const graph::Composite& op, const graph::Node& n
 std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
                                 StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Recall& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Compare& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Remember& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::LayerIdentity& op, const graph::Node& node,
                                 StepContext& context);
 
