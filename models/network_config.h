@@ -53,7 +53,8 @@ struct NetworkConfig {
   std::vector<int64_t> sample_reducer = {32, 32, 32};  // outputs of its layers; the last is the embedding
   std::vector<int64_t> sample_partitioner = {32, 16};  // outputs of its hidden layers; the last has `layers`
   std::vector<int64_t> kernel_generator = {
-      128, 128};  // outputs of its hidden layers; the last has kernel_size squared
+      128, 128};                        // outputs of its hidden layers; the last has kernel_size squared
+  std::vector<int64_t> history = {16};  // of "layer_history": hidden layers of what weighs the history
   UNetConfig unet;
   /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
   /// (models/exposure.h): the result then scales with the radiance exactly.
@@ -91,6 +92,7 @@ struct NetworkConfig {
     v.field("sample_reducer", sample_reducer, Range{1, 4096});
     v.field("sample_partitioner", sample_partitioner, Range{1, 4096});
     v.field("kernel_generator", kernel_generator, Range{1, 4096});
+    v.field("history", history, Range{1, 4096});
     v.section("unet", unet);
     v.field("exposure_normalisation", exposure_normalisation);
     v.field("means", means);

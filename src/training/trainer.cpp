@@ -51,6 +51,7 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
       validation_(make_validation_stores(config_), config_.run.images, validation_samples(config_.data)),
       checkpoints_(run_, config_.run.keep),
       loss_(options.loss ? options.loss : make_loss(config_.loss)),
+      clip_loss_(make_clip_loss(config_.clip_loss, loss_)),
       kernel_probe_(options.kernel_probe ? options.kernel_probe : kernel_statistics),
       // A run that continues takes its weights from a checkpoint, and other ranks take those of rank 0.
       network_(make_initial_network(config_, group_.is_root() && !checkpoints_.begun())),
@@ -61,7 +62,7 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
   fresh.crops_per_step = config_.data.batch * config_.optimizer.accumulate;
   if (group_.is_root()) lock_.emplace(run_);
   const std::optional<Pace> pace =
-      settle_steps(config_, {*network_, training_set_, validation_, loss_, group_, run_, start_});
+      settle_steps(config_, {*network_, training_set_, validation_, loss_, clip_loss_, group_, run_, start_});
   const int64_t steps = schedule_steps(config_, training_set_.batches_per_epoch());
   if (steps == 0) return;  // stopped meanwhile: nothing has begun
   if (group_.is_root()) open_run(options.command, fresh.dataset, steps);
@@ -124,7 +125,7 @@ double Trainer::take_step() {
   course_.step_begins();
   const int64_t step = state().step;
   const Optimizer::Outcome outcome =
-      optimizer_.step(training_set_, step, loss_, rate_of(step), state().optimizer_steps + 1, group_);
+      optimizer_.step(training_set_, step, clip_loss_, rate_of(step), state().optimizer_steps + 1, group_);
   timer_.count_step();
   if (outcome.taken) {
     course_.step_taken(outcome.loss);

@@ -86,7 +86,8 @@ class Trainer {
   TrainingSet training_set_;
   Validation validation_;
   CheckpointFolder checkpoints_;
-  Loss loss_;
+  Loss loss_;  // of frames, which validates
+  ClipLoss clip_loss_;
   KernelProbe kernel_probe_;
   std::shared_ptr<Network> network_;
   Optimizer optimizer_;

@@ -77,7 +77,7 @@ void Trainer::announce() {
   plan.accumulate = config_.optimizer.accumulate;
   const int64_t first = state().step * plan.accumulate;
   const auto measure = [&](const Batch& batch) {
-    return measure_batch(*network_, loss_, batch, [] { return stop_requested(); });
+    return measure_batch(*network_, clip_loss_, batch, [] { return stop_requested(); });
   };
   const SampleRange samples = sample_range(config_.data);
   if (!validation_.empty())

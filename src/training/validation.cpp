@@ -103,8 +103,9 @@ std::set<size_t> Validation::shown(const ProcessGroup& group) const {
 
 std::optional<ValidationResult> Validation::run(Network& network, const Loss& loss, ProcessGroup& group,
                                                 const std::function<bool()>& stop) const {
-  const Denoise forward = [&](NetworkInput input, SequenceState&) {
-    return network.forward(std::move(input));
+  const Denoise forward = [&](NetworkInput input, SequenceState& sequence) {
+    if (!sequence.memory.has_value()) sequence.memory = NetworkState();
+    return network.forward(std::move(input), std::any_cast<NetworkState&>(sequence.memory));
   };
   return run(forward, network.config().features, loss, group, stop);
 }

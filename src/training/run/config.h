@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/config_visitor.h"
+#include "losses/clip_loss_config.h"
 #include "losses/loss_names.h"
 #include "models/network_config.h"
 
@@ -95,7 +96,8 @@ struct OptimizerConfig {
   double clip_norm = 0;       // largest norm of all gradients together; 0: no limit
   double clip_value = 0;      // largest absolute gradient; 0: no limit
   int64_t accumulate = 1;     // batches a step: their gradients are averaged, in the memory that one takes
-  double ema = 0;             // decay of the averaged weights (training/optimizer/weight_average.h); 0: none
+  int64_t truncation = 0;  // of networks that remember: frames that a gradient goes back through; 0: the clip
+  double ema = 0;          // decay of the averaged weights (training/optimizer/weight_average.h); 0: none
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -113,6 +115,7 @@ struct OptimizerConfig {
     v.field("clip_norm", clip_norm, at_least(0));
     v.field("clip_value", clip_value, at_least(0));
     v.field("accumulate", accumulate, Range{1, 4096});
+    v.field("truncation", truncation, Range{0, 1024});
     v.field("ema", ema, Range{0, 0.999999});
   }
 };
@@ -171,6 +174,7 @@ struct TrainConfig {
   uint64_t seed = 1;           // of the first weights, of the order of the data, of the crops
   std::string init;            // weights to begin with: a weight file, checkpoint or run; "": random ones
   std::string loss = "smape";  // what a step makes smaller (docs/training.md)
+  ClipLossConfig clip_loss;    // of clips: how the losses of their frames add up, and what comes beside
   int64_t epochs = 1000;  // length of the schedule; an epoch has a crop for each frame of the training splits
   int64_t steps = 0;      // length of the schedule in place of `epochs`; 0: run.minutes or `epochs` decide
   NetworkConfig network;
@@ -184,6 +188,7 @@ struct TrainConfig {
     v.field("seed", seed);
     v.field("init", init);
     v.field("loss", loss, loss_names());
+    v.section("clip_loss", clip_loss);
     v.field("epochs", epochs, at_least(1));
     v.field("steps", steps, at_least(0));
     v.section("network", network);
