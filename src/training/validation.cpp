@@ -1,8 +1,10 @@
 #include "training/validation.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "metrics/metric.h"
+#include "training/held_out.h"
 
 namespace ld {
 namespace {
@@ -16,22 +18,17 @@ Image mean_of_samples(const NetworkInput& input) {
   return to_image(((input.radiance * input.valid).sum(1) / count).squeeze(0));
 }
 
-/// The part of the frame that `crop` says, with its first samples.
-Batch part_of_frame(FrameStore& store, size_t index, const std::vector<std::string>& features, int samples,
-                    const Augmentation& crop) {
-  const std::shared_ptr<const PackedFrame> frame = store.get(index);
-  SampleList first;
-  for (int s = 0; s < samples; ++s) first.push_back(s);
-  return make_batch({{store.get_intact(index, frame, crop.tiles(), first), crop, first}}, features);
-}
-
 }  // namespace
 
-Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures, int samples)
+Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures,
+                       ValidationSamples samples)
     : stores_(std::move(stores)), pictures_(pictures), samples_(samples) {
   for (const std::unique_ptr<FrameStore>& store : stores_) {
     const size_t first = frames_.size();
-    for (size_t i = 0; i < store->size(); ++i) frames_.push_back({store.get(), i, {}});
+    for (size_t i = 0; i < store->size(); ++i) {
+      frames_.push_back({store.get(), i, {}, blocks_});
+      blocks_ += blocks_of(store->width(i), store->height(i));
+    }
     for (std::vector<size_t>& run : store->runs()) {
       for (size_t i = 0; i < run.size(); ++i) {
         run[i] += first;
@@ -51,7 +48,21 @@ int64_t Validation::pixels() const {
 
 int Validation::samples_of(const FrameOf& frame) const {
   const int all = frame.store->spp(frame.index);
-  return samples_ > 0 ? std::min(samples_, all) : all;
+  const int most = samples_.targets ? all - 1 : all;
+  const int unless_asked = samples_.targets ? all - std::max(all / 4, 1) : all;
+  return samples_.input > 0 ? std::min(samples_.input, most) : unless_asked;
+}
+
+/// That part of the frame, with its first samples.
+Batch Validation::read(const FrameOf& frame, const std::vector<std::string>& features,
+                       const Augmentation& part) const {
+  const std::shared_ptr<const PackedFrame> packed = frame.store->get(frame.index);
+  SampleList first(static_cast<size_t>(samples_of(frame)));
+  std::iota(first.begin(), first.end(), 0);
+  const SampleList targets = samples_.targets ? other_samples(packed->spp, first) : SampleList();
+  auto intact =
+      frame.store->get_intact(frame.index, packed, part.tiles(), targets.empty() ? first : SampleList());
+  return make_batch({{std::move(intact), part, first, targets}}, features);
 }
 
 const Validation::FrameOf& Validation::largest() const {
@@ -75,7 +86,7 @@ Batch Validation::middle_of_largest(const std::vector<std::string>& features, in
   middle.height = std::min(height, side);
   middle.x = (width - middle.width) / 2;
   middle.y = (height - middle.height) / 2;
-  return part_of_frame(*frame.store, frame.index, features, samples_of(frame), middle);
+  return read(frame, features, middle);
 }
 
 int64_t Validation::picture_bytes() const {
@@ -118,6 +129,7 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
   // One row for each frame; each process fills the rows of its own frames.
   const auto columns = static_cast<int64_t>(1 + metrics().size());
   const torch::Tensor table = torch::zeros({static_cast<int64_t>(frames_.size()), columns}, torch::kFloat64);
+  const torch::Tensor blocks = torch::zeros({samples_.targets ? blocks_ + 1 : 0}, torch::kFloat64);
   const std::set<size_t> shown_frames = shown(group);
   SequenceState state;
   bool stopped = false;
@@ -129,13 +141,19 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
     Augmentation whole;
     whole.width = width;
     whole.height = height;
-    Batch batch = part_of_frame(*frame.store, frame.index, features, samples_of(frame), whole);
+    Batch batch = read(frame, features, whole);
     ValidationPicture picture;
     picture.name = frame.store->name(frame.index);
     const bool is_shown = shown_frames.count(i) > 0;
     if (is_shown) picture.noisy = mean_of_samples(batch.input);
     state.advance(frame.place, width, height);
-    const torch::Tensor denoised = denoise(std::move(batch.input), state);
+    const torch::Tensor denoised = denoise(samples_.targets ? batch.input : std::move(batch.input), state);
+    if (samples_.targets) {
+      const std::vector<double> errors = block_errors(denoised, batch);
+      std::copy(errors.begin(), errors.end(), blocks.data_ptr<double>() + frame.first_block);
+      blocks[blocks_] +=
+          sample_correlation(denoised, batch).value_or(0) / static_cast<double>(frames_.size());
+    }
     double* row = table[static_cast<int64_t>(i)].data_ptr<double>();
     *row++ = loss(denoised, batch.reference).item<double>();
     picture.denoised = to_image(denoised.squeeze(0));
@@ -144,7 +162,12 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
     if (is_shown) result.pictures.push_back(std::move(picture));
   }
   if (group.any(stopped, "validating")) return std::nullopt;
-  group.sum({table}, "validating");
+  group.sum({table, blocks}, "validating");
+  if (samples_.targets) {
+    const double* first = blocks.data_ptr<double>();
+    result.block_errors.assign(first, first + blocks_);
+    result.correlation = first[blocks_];
+  }
   const torch::Tensor means = table.mean(0);
   const double* mean = means.data_ptr<double>();
   result.scores[kLoss] = *mean++;
