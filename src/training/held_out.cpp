@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <limits>
 
 #include "core/error.h"
 #include "core/file_io.h"
@@ -19,13 +18,37 @@ std::filesystem::path file_in(const std::filesystem::path& run) {
   return run / "held_out.csv";
 }
 
-/// [1, 3, H, W]: 1 / sqrt(s^2 + epsilon).
-torch::Tensor inverse_scale(const NetworkInput& input) {
-  const torch::Tensor count = input.valid.sum(1).clamp_min(1);
-  const torch::Tensor mean = (input.radiance * input.valid / count.unsqueeze(1)).sum(1);
-  const torch::Tensor smooth = at::avg_pool2d(mean, kScaleSide, 1, kScaleSide / 2, /*ceil_mode=*/false,
-                                              /*count_include_pad=*/false);
-  return at::hypot(smooth, at::full_like(smooth, std::sqrt(kRelativeL2Epsilon))).reciprocal();
+torch::Tensor smooth(const torch::Tensor& picture) {
+  return at::avg_pool2d(picture, kScaleSide, 1, kScaleSide / 2, /*ceil_mode=*/false,
+                        /*count_include_pad=*/false);
+}
+
+/// The samples' mean and their variance about it, [1, 3, H, W] in double: squares of floats do not overflow
+/// there.
+struct Spread {
+  torch::Tensor mean, variance;
+};
+
+Spread spread_of(const NetworkInput& input) {
+  const torch::Tensor count = input.valid.sum(1).to(torch::kFloat64);
+  Spread spread = {torch::zeros_like(input.radiance.select(1, 0), torch::kFloat64), {}};
+  spread.variance = torch::zeros_like(spread.mean);
+  const auto each = [&](const auto& add) {
+    for (int64_t s = 0; s < input.radiance.size(1); ++s)
+      add(input.radiance.select(1, s).to(torch::kFloat64), input.valid.select(1, s));
+  };
+  each([&](const torch::Tensor& sample, const torch::Tensor& valid) { spread.mean += sample * valid; });
+  spread.mean /= count.clamp_min(1);
+  each([&](const torch::Tensor& sample, const torch::Tensor& valid) {
+    spread.variance += (sample - spread.mean).square() * valid;
+  });
+  spread.variance /= (count - 1).clamp_min(1);
+  return spread;
+}
+
+/// 1 / sqrt(s^2 + v + epsilon).
+torch::Tensor inverse_scale(const Spread& spread) {
+  return (smooth(spread.mean).square() + smooth(spread.variance) + kRelativeL2Epsilon).rsqrt();
 }
 
 }  // namespace
@@ -35,12 +58,14 @@ int64_t blocks_of(int width, int height) {
   return along(width) * along(height);
 }
 
-std::vector<double> block_errors(const torch::Tensor& denoised, const Batch& batch) {
+std::vector<double> block_errors(const torch::Tensor& denoised, const Batch& batch, int targets) {
   const torch::NoGradGuard no_graph;
-  const torch::Tensor error = ((denoised - batch.reference) * inverse_scale(batch.input)).to(torch::kFloat64);
-  const torch::Tensor squares =
-      error.square().mean(1, /*keepdim=*/true).clamp_max(std::numeric_limits<float>::max());
-  const torch::Tensor blocks = at::avg_pool2d(squares, kBlockSide, kBlockSide, 0, /*ceil_mode=*/true,
+  const Spread spread = spread_of(batch.input);
+  const torch::Tensor scale = inverse_scale(spread);
+  const torch::Tensor distance = ((denoised.to(torch::kFloat64) - batch.reference) * scale).square();
+  const torch::Tensor error =
+      (distance - spread.variance * scale.square() / targets).mean(1, /*keepdim=*/true);
+  const torch::Tensor blocks = at::avg_pool2d(error, kBlockSide, kBlockSide, 0, /*ceil_mode=*/true,
                                               /*count_include_pad=*/false)
                                    .contiguous();
   const double* first = blocks.data_ptr<double>();
@@ -49,22 +74,25 @@ std::vector<double> block_errors(const torch::Tensor& denoised, const Batch& bat
 
 std::optional<double> sample_correlation(const torch::Tensor& denoised, const Batch& batch) {
   const torch::NoGradGuard no_graph;
-  const int64_t samples = batch.input.radiance.size(1), width = batch.input.radiance.size(4);
-  if (samples < 2 || width < 2) return std::nullopt;
-  const torch::Tensor scale = inverse_scale(batch.input).unsqueeze(1);
-  const torch::Tensor residual =
-      ((batch.input.radiance - denoised.unsqueeze(1)) * scale * batch.input.valid).to(torch::kFloat64);
-  const torch::Tensor sum = residual.sum(1);
+  const NetworkInput& input = batch.input;
+  const int64_t samples = input.radiance.size(1), columns = input.radiance.size(4) - 1;
+  if (samples < 2 || columns < 1) return std::nullopt;
+  const Spread spread = spread_of(input);
+  const torch::Tensor scale = inverse_scale(spread), picture = denoised.to(torch::kFloat64);
   // Over pairs of different samples: all pairs less those of a sample with itself.
-  const auto products = [&](int64_t shift) {
-    const int64_t columns = width - 1;
-    const torch::Tensor all = sum.narrow(3, 0, columns) * sum.narrow(3, shift, columns);
-    const torch::Tensor own = (residual.narrow(4, 0, columns) * residual.narrow(4, shift, columns)).sum(1);
-    return (all - own).mean().item<double>() / static_cast<double>(samples * (samples - 1));
+  torch::Tensor sum = torch::zeros_like(picture);
+  double own[2] = {0, 0};
+  const auto product = [&](const torch::Tensor& residual, int64_t shift) {
+    return (residual.narrow(3, 0, columns) * residual.narrow(3, shift, columns)).mean().item<double>();
   };
-  const double common = products(0) - products(1);
-  const double within = (residual - residual.mean(1, true)).square().sum(1).mean().item<double>() /
-                        static_cast<double>(samples - 1);
+  for (int64_t s = 0; s < samples; ++s) {
+    const torch::Tensor residual = (input.radiance.select(1, s) - picture) * scale * input.valid.select(1, s);
+    sum += residual;
+    for (int64_t shift = 0; shift < 2; ++shift) own[shift] += product(residual, shift);
+  }
+  const double pairs = static_cast<double>(samples * (samples - 1));
+  const double common = (product(sum, 0) - own[0] - product(sum, 1) + own[1]) / pairs;
+  const double within = (spread.variance * scale.square()).mean().item<double>();
   if (!(common + within > 0)) return std::nullopt;
   return common / (common + within);
 }

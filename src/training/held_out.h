@@ -27,11 +27,13 @@ constexpr double kLargestCorrelation = 0.05;
 /// How many blocks a picture has.
 int64_t blocks_of(int width, int height);
 
-/// Of each block the mean over pixels and channels of (d - y)^2 / (s^2 + kRelativeL2Epsilon): d the denoised
-/// picture [1, 3, H, W], y the target, s the mean of the input's samples over 5x5 pixels. s depends on
-/// neither the target nor the network, so a lower expected value means a picture nearer to the truth. Values
-/// that overflow count as the largest float.
-std::vector<double> block_errors(const torch::Tensor& denoised, const Batch& batch);
+/// Of each block the mean over pixels and channels of ((d - y)^2 - u) / (s^2 + v + kRelativeL2Epsilon): d the
+/// denoised picture [1, 3, H, W], y the mean of `targets` samples, u its variance, s the mean of the input's
+/// samples and v their variance about their pixel's mean, both over 5x5 pixels; u is that variance in the
+/// pixel itself, divided by `targets`. In expectation this is the squared error against the truth, so it may
+/// be below 0 by chance. s and v depend on neither the target nor the network; v, of the size of the targets'
+/// own noise, keeps fireflies from deciding. Finite for all finite radiances.
+std::vector<double> block_errors(const torch::Tensor& denoised, const Batch& batch, int targets);
 
 /// The correlation of two samples of a pixel that the spread within the pixel cannot show, from how far the
 /// samples lie from a denoised picture: (c(0) - c(1)) / (c(0) - c(1) + v). c(k) is the mean product of the
@@ -42,7 +44,7 @@ std::optional<double> sample_correlation(const torch::Tensor& denoised, const Ba
 
 /// Of the errors of a network and of the one at the beginning.
 struct HeldOutComparison {
-  double beginning = 0, now = 0;  // mean over the blocks, the noise of the targets included
+  double beginning = 0, now = 0;  // mean over the blocks
   Interval difference;            // now - beginning, with kConfidence
 
   bool better() const { return difference.high < 0; }

@@ -38,12 +38,12 @@ double Trainer::judge(const ValidationResult& result) {
   } else if (group_.is_root()) {
     const HeldOutComparison comparison = compare_blocks(read_beginning(run_), result.block_errors);
     score = comparison.score();
+    const double change = comparison.now - comparison.beginning;
     const std::string figures = fmt::format(
-        "error on {} held-out blocks {:.4f}, at the beginning {:.4f}; the difference is {:.4f} (95 % "
-        "interval "
-        "{:.4f} to {:.4f})",
-        result.block_errors.size(), comparison.now, comparison.beginning,
-        comparison.now - comparison.beginning, comparison.difference.low, comparison.difference.high);
+        "squared error on {} held-out blocks {:.4g}, at the beginning {:.4g}: {:+.4g} (95 % interval {:.4g} "
+        "to {:.4g})",
+        result.block_errors.size(), comparison.now, comparison.beginning, change, comparison.difference.low,
+        comparison.difference.high);
     spdlog::info("step {}: {}", state().step, figures);
     if (score < state().best_score)
       verdict_ = fmt::format("the best weights are those of step {}: {}", state().step, figures);

@@ -11,6 +11,7 @@ namespace {
 
 constexpr const char* kLoss = "validation_loss";
 constexpr int64_t kPicturesOfFrame = 3;  // ValidationPicture
+constexpr int kTargetTurns = 4;          // ValidationSamples
 
 /// Mean radiance of the valid samples, [3, H, W].
 Image mean_of_samples(const NetworkInput& input) {
@@ -46,23 +47,28 @@ int64_t Validation::pixels() const {
   return sum;
 }
 
-int Validation::samples_of(const FrameOf& frame) const {
-  const int all = frame.store->spp(frame.index);
-  const int most = samples_.targets ? all - 1 : all;
-  const int unless_asked = samples_.targets ? all - std::max(all / 4, 1) : all;
-  return samples_.input > 0 ? std::min(samples_.input, most) : unless_asked;
+int Validation::turns_of(const FrameOf& frame) const {
+  return samples_.targets ? std::min(kTargetTurns, frame.store->spp(frame.index)) : 1;
 }
 
-/// That part of the frame, with its first samples.
+int Validation::samples_of(const FrameOf& frame) const {
+  const int all = frame.store->spp(frame.index), turns = turns_of(frame);
+  const int most = samples_.targets ? all - (all + turns - 1) / turns : all;
+  return samples_.input > 0 ? std::min(samples_.input, most) : most;
+}
+
+/// That part of the frame, with its first samples, or with those that are not this turn's targets.
 Batch Validation::read(const FrameOf& frame, const std::vector<std::string>& features,
-                       const Augmentation& part) const {
+                       const Augmentation& part, int turn) const {
   const std::shared_ptr<const PackedFrame> packed = frame.store->get(frame.index);
-  SampleList first(static_cast<size_t>(samples_of(frame)));
-  std::iota(first.begin(), first.end(), 0);
-  const SampleList targets = samples_.targets ? other_samples(packed->spp, first) : SampleList();
+  SampleList targets, input;
+  if (samples_.targets)
+    for (int s = turn; s < packed->spp; s += turns_of(frame)) targets.push_back(s);
+  input = other_samples(packed->spp, targets);
+  input.resize(static_cast<size_t>(samples_of(frame)));
   auto intact =
-      frame.store->get_intact(frame.index, packed, part.tiles(), targets.empty() ? first : SampleList());
-  return make_batch({{std::move(intact), part, first, targets}}, features);
+      frame.store->get_intact(frame.index, packed, part.tiles(), targets.empty() ? input : SampleList());
+  return make_batch({{std::move(intact), part, input, targets}}, features);
 }
 
 const Validation::FrameOf& Validation::largest() const {
@@ -141,25 +147,32 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
     Augmentation whole;
     whole.width = width;
     whole.height = height;
-    Batch batch = read(frame, features, whole);
-    ValidationPicture picture;
-    picture.name = frame.store->name(frame.index);
-    const bool is_shown = shown_frames.count(i) > 0;
-    if (is_shown) picture.noisy = mean_of_samples(batch.input);
-    state.advance(frame.place, width, height);
-    const torch::Tensor denoised = denoise(samples_.targets ? batch.input : std::move(batch.input), state);
-    if (samples_.targets) {
-      const std::vector<double> errors = block_errors(denoised, batch);
-      std::copy(errors.begin(), errors.end(), blocks.data_ptr<double>() + frame.first_block);
-      blocks[blocks_] +=
-          sample_correlation(denoised, batch).value_or(0) / static_cast<double>(frames_.size());
-    }
     double* row = table[static_cast<int64_t>(i)].data_ptr<double>();
-    *row++ = loss(denoised, batch.reference).item<double>();
-    picture.denoised = to_image(denoised.squeeze(0));
-    picture.reference = to_image(batch.reference.squeeze(0));
-    for (const Metric& metric : metrics()) *row++ = metric.compute(picture.denoised, picture.reference);
-    if (is_shown) result.pictures.push_back(std::move(picture));
+    state.advance(frame.place, width, height);
+    const int turns = turns_of(frame);
+    for (int turn = 0; turn < turns; ++turn) {
+      Batch batch = read(frame, features, whole, turn);
+      ValidationPicture picture;
+      picture.name = frame.store->name(frame.index);
+      const bool is_shown = turn == 0 && shown_frames.count(i) > 0;
+      if (is_shown) picture.noisy = mean_of_samples(batch.input);
+      const torch::Tensor denoised = denoise(samples_.targets ? batch.input : std::move(batch.input), state);
+      row[0] += loss(denoised, batch.reference).item<double>() / turns;
+      picture.denoised = to_image(denoised.squeeze(0));
+      picture.reference = to_image(batch.reference.squeeze(0));
+      for (size_t m = 0; m < metrics().size(); ++m)
+        row[m + 1] += metrics()[m].compute(picture.denoised, picture.reference) / turns;
+      if (samples_.targets) {
+        const int spp = frame.store->spp(frame.index), targets = (spp - turn + turns - 1) / turns;
+        const std::vector<double> errors = block_errors(denoised, batch, targets);
+        double* sums = blocks.data_ptr<double>();
+        for (size_t k = 0; k < errors.size(); ++k)
+          sums[static_cast<size_t>(frame.first_block) + k] += errors[k] / turns;
+        sums[blocks_] +=
+            sample_correlation(denoised, batch).value_or(0) / turns / static_cast<double>(frames_.size());
+      }
+      if (is_shown) result.pictures.push_back(std::move(picture));
+    }
   }
   if (group.any(stopped, "validating")) return std::nullopt;
   group.sum({table, blocks}, "validating");

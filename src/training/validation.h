@@ -37,8 +37,10 @@ struct ValidationResult {
 /// How many samples of a frame enter, and what the picture is compared with.
 struct ValidationSamples {
   int input = 0;  // the first so many of each frame, or all where it has fewer; 0: all
-  bool targets =
-      false;  // the mean of the other samples takes the place of the reference; 0 are three quarters
+  /// The mean of samples that do not enter takes the place of the reference: in turns, each quarter of them
+  /// (each one, of fewer than four), so that every sample is a target once. Scores are the means over the
+  /// turns.
+  bool targets = false;
 };
 
 class Validation {
@@ -81,7 +83,9 @@ class Validation {
     int64_t first_block = 0;  // of its errors among those of all frames
   };
   int samples_of(const FrameOf& frame) const;
-  Batch read(const FrameOf& frame, const std::vector<std::string>& features, const Augmentation& part) const;
+  int turns_of(const FrameOf& frame) const;
+  Batch read(const FrameOf& frame, const std::vector<std::string>& features, const Augmentation& part,
+             int turn = 0) const;
   const FrameOf& largest() const;
   /// The frames of a process, by their numbers in the order in which it denoises them.
   std::vector<size_t> frames_of(const ProcessGroup& group) const;

@@ -57,8 +57,10 @@ TEST(Shot, AManifestSaysWhatIsHeldOutAndItsTestFramesAreLeftAlone) {
 TEST(Shot, OneFrameIsTooFewAndAMissingFolderIsNamed) {
   const TemporaryFolder folder;
   write_frames(folder.path(), 1);
-  EXPECT_ERROR(frames_of_shot(folder.path(), 5), "1 frames to learn from", "at least two");
-  EXPECT_ERROR(frames_of_shot(folder.path() / "nowhere", 5), "nowhere", "no such folder");
+  EXPECT_ERROR(frames_of_shot(folder.path(), 5), "1 frames to learn from");
+  EXPECT_ERROR(frames_of_shot(folder.path(), 5), "at least two");
+  EXPECT_ERROR(frames_of_shot(folder.path() / "nowhere", 5), "nowhere");
+  EXPECT_ERROR(frames_of_shot(folder.path() / "nowhere", 5), "no such folder");
 }
 
 TEST(Shot, AStoreReadsItsFramesWithoutReferencesFromTheCacheToo) {

@@ -125,8 +125,10 @@ TEST(Blend, IsFiniteAndBetweenItsTwoPicturesAtTheExtremes) {
 TEST(Blend, OneSampleAndOtherSizesAreRefused) {
   const Image picture = constant(1);
   EXPECT_FALSE(can_blend(exponential_frame(1)));
-  EXPECT_ERROR(blend_with_mean(exponential_frame(1), picture, picture, picture), "two samples", "found 1");
-  EXPECT_ERROR(blend_with_mean(exponential_frame(2), Image(3, 3, 3), picture, picture), "3x3", "48x48");
+  EXPECT_ERROR(blend_with_mean(exponential_frame(1), picture, picture, picture), "two samples");
+  EXPECT_ERROR(blend_with_mean(exponential_frame(1), picture, picture, picture), "found 1");
+  EXPECT_ERROR(blend_with_mean(exponential_frame(2), Image(3, 3, 3), picture, picture), "3x3");
+  EXPECT_ERROR(blend_with_mean(exponential_frame(2), Image(3, 3, 3), picture, picture), "48x48");
 }
 
 }  // namespace

@@ -138,7 +138,8 @@ TEST(Adapting, TakesTheNetworkOfTheWeightsItBeginsWith) {
   TrainConfig config = adapting(folder / "data", 20);
   config.network = NetworkConfig();
   config.network.name = kNetworkOfInit;
-  EXPECT_ERROR(Trainer(config, folder / "second"), "init is empty", "init=FILE_OR_NAME");
+  EXPECT_ERROR(Trainer(config, folder / "second"), "init is empty");
+  EXPECT_ERROR(Trainer(config, folder / "second"), "init=FILE_OR_NAME");
   config.init = (folder / "first").string();
   const Trainer trainer(config, folder / "second");
   EXPECT_EQ(trainer.network().config().features, first.network.features);
@@ -148,7 +149,8 @@ TEST(Adapting, TakesTheNetworkOfTheWeightsItBeginsWith) {
 TEST(Adapting, OneSampleAPixelIsTooFew) {
   const TemporaryFolder folder;
   write_exponential_shot(folder / "shot", 4, 32, 1);
-  EXPECT_ERROR(Trainer(adapting(folder / "shot", 5), folder / "run"), "has 1 sample a pixel", "2 or more");
+  EXPECT_ERROR(Trainer(adapting(folder / "shot", 5), folder / "run"), "has 1 sample a pixel");
+  EXPECT_ERROR(Trainer(adapting(folder / "shot", 5), folder / "run"), "2 or more");
 }
 
 }  // namespace

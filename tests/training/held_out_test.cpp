@@ -37,7 +37,7 @@ TEST(BlockErrors, AreTheMeansOfTheFormulaOverEachBlock) {
   Batch batch = noisy_batch(3, height, width);
   batch.input.valid[0][1][0][3][4] = 0;
   const torch::Tensor denoised = 0.5 + torch::rand({1, 3, height, width});
-  const std::vector<double> errors = block_errors(denoised, batch);
+  const std::vector<double> errors = block_errors(denoised, batch, 2);
   ASSERT_EQ(static_cast<int64_t>(errors.size()), blocks_of(70, 37));
   ASSERT_EQ(errors.size(), 6U);
   const auto radiance = batch.input.radiance.accessor<float, 5>();
@@ -48,6 +48,15 @@ TEST(BlockErrors, AreTheMeansOfTheFormulaOverEachBlock) {
       if (valid[0][s][0][y][x] > 0) sum += radiance[0][s][c][y][x], ++drawn;
     return sum / drawn;
   };
+  const auto variance_of = [&](int64_t c, int64_t y, int64_t x) {
+    double sum = 0, drawn = 0;
+    for (int64_t s = 0; s < 3; ++s)
+      if (valid[0][s][0][y][x] > 0) {
+        const double d = radiance[0][s][c][y][x] - mean(c, y, x);
+        sum += d * d, ++drawn;
+      }
+    return sum / std::max(drawn - 1, 1.0);
+  };
   for (size_t block = 0; block < 6; ++block) {
     double sum = 0;
     int count = 0;
@@ -55,30 +64,42 @@ TEST(BlockErrors, AreTheMeansOfTheFormulaOverEachBlock) {
     for (int64_t y = 32 * row; y < std::min(height, 32 * row + 32); ++y)
       for (int64_t x = 32 * column; x < std::min(width, 32 * column + 32); ++x)
         for (int64_t c = 0; c < 3; ++c, ++count) {
-          double scale = 0;
+          double scale = 0, spread = 0;
           int taps = 0;
           for (int64_t j = std::max<int64_t>(y - 2, 0); j <= std::min(height - 1, y + 2); ++j)
             for (int64_t i = std::max<int64_t>(x - 2, 0); i <= std::min(width - 1, x + 2); ++i, ++taps)
               scale += mean(c, j, i);
           scale /= taps;
+          for (int64_t j = std::max<int64_t>(y - 2, 0); j <= std::min(height - 1, y + 2); ++j)
+            for (int64_t i = std::max<int64_t>(x - 2, 0); i <= std::min(width - 1, x + 2); ++i)
+              spread += variance_of(c, j, i) / taps;
           const double error =
               denoised[0][c][y][x].item<double>() - batch.reference[0][c][y][x].item<double>();
-          sum += error * error / (scale * scale + kRelativeL2Epsilon);
+          sum += (error * error - variance_of(c, y, x) / 2) / (scale * scale + spread + kRelativeL2Epsilon);
         }
-    EXPECT_NEAR(errors[block], sum / count, 1e-5 * (1 + sum / count)) << block;
+    EXPECT_NEAR(errors[block], sum / count, 1e-5) << block;
   }
 }
 
 TEST(BlockErrors, TheTruthHasLessThanAnythingElseInTheMean) {
   const Batch batch = noisy_batch(6, 256, 256);
   const torch::Tensor truth = truth_of(256, 256);
-  const std::vector<double> best = block_errors(truth, batch);
+  const std::vector<double> best = block_errors(truth, batch, 2);
   for (const double factor : {0.8, 0.95, 1.05, 1.2}) {
-    const HeldOutComparison comparison = compare_blocks(best, block_errors(truth * factor, batch));
+    const HeldOutComparison comparison = compare_blocks(best, block_errors(truth * factor, batch, 2));
     EXPECT_GT(comparison.now, comparison.beginning) << factor;
     EXPECT_FALSE(comparison.better());
   }
-  EXPECT_TRUE(compare_blocks(block_errors(truth * 0.8, batch), best).better());
+  EXPECT_TRUE(compare_blocks(block_errors(truth * 0.8, batch, 2), best).better());
+}
+
+TEST(BlockErrors, AreTheSquaredErrorInTheMean) {
+  // Without an epsilon to speak of: the truth is 0.5 or 4, the samples' variance its square.
+  const Batch batch = noisy_batch(6, 512, 512);
+  const std::vector<double> errors = block_errors(1.2 * truth_of(512, 512), batch, 2);
+  double mean = 0;
+  for (const double error : errors) mean += error / static_cast<double>(errors.size());
+  EXPECT_NEAR(mean, 0.2 * 0.2 / 2, 0.004);
 }
 
 TEST(BlockErrors, AreFiniteWhateverTheRadiance) {
@@ -86,7 +107,7 @@ TEST(BlockErrors, AreFiniteWhateverTheRadiance) {
     Batch batch = noisy_batch(2, 9, 9);
     batch.input.radiance.fill_(value);
     batch.reference.fill_(3e38F);
-    for (const double error : block_errors(torch::full({1, 3, 9, 9}, -3e38F), batch))
+    for (const double error : block_errors(torch::full({1, 3, 9, 9}, -3e38F), batch, 1))
       EXPECT_TRUE(std::isfinite(error)) << value;
   }
 }
@@ -125,9 +146,11 @@ TEST(HeldOutFile, KeepsEveryBitAndDamageIsNoticed) {
   for (const std::string& damaged :
        {whole.substr(0, whole.size() - 3), std::string("block"), whole + "x\n"}) {
     write_file_atomically(folder.path() / "held_out.csv", damaged);
-    EXPECT_ERROR(read_beginning(folder.path()), "damaged", "begin a new run");
+    EXPECT_ERROR(read_beginning(folder.path()), "damaged");
+    EXPECT_ERROR(read_beginning(folder.path()), "begin a new run");
   }
-  EXPECT_ERROR(compare_blocks({1, 2}, {1}), "1 blocks", "2 when the run began");
+  EXPECT_ERROR(compare_blocks({1, 2}, {1}), "1 blocks");
+  EXPECT_ERROR(compare_blocks({1, 2}, {1}), "2 when the run began");
 }
 
 }  // namespace
