@@ -30,9 +30,10 @@ int64_t blocks_of(int width, int height);
 /// Of each block the mean over pixels and channels of ((d - y)^2 - u) / (s^2 + v + kRelativeL2Epsilon): d the
 /// denoised picture [1, 3, H, W], y the mean of `targets` samples, u its variance, s the mean of the input's
 /// samples and v their variance about their pixel's mean, both over 5x5 pixels; u is that variance in the
-/// pixel itself, divided by `targets`. In expectation this is the squared error against the truth, so it may
-/// be below 0 by chance. s and v depend on neither the target nor the network; v, of the size of the targets'
-/// own noise, keeps fireflies from deciding. Finite for all finite radiances.
+/// pixel itself, divided by `targets`. In expectation this is the squared error against the truth, but for an
+/// offset that the samples decide and not the network; it may be below 0. s and v depend on neither the
+/// target nor the network; v, of the size of the targets' own noise, keeps fireflies from deciding. Finite
+/// for all finite radiances.
 std::vector<double> block_errors(const torch::Tensor& denoised, const Batch& batch, int targets);
 
 /// The correlation of two samples of a pixel that the spread within the pixel cannot show, from how far the

@@ -11,7 +11,7 @@
 namespace ld {
 namespace {
 
-constexpr int kSide = 48;
+constexpr int kSide = 32;
 constexpr float kTruth = 0.5F;
 
 /// Samples about kTruth, exponentially distributed.
@@ -58,9 +58,11 @@ TEST(Blend, AConstantOffsetIsBlendedAwayAsSamplesGrow) {
   for (int spp = 4; spp <= 1024; spp *= 4) {
     const double weight = mean_weight(blended_with(kTruth + offset, spp));
     // v / (v + b^2) with v = truth^2 / spp.
-    const double v = kTruth * kTruth / spp, expected = v / (v + offset * offset);
+    const double v = double(kTruth) * double(kTruth) / spp, expected = v / (v + offset * offset);
     EXPECT_LE(weight, last + 1e-3) << spp;
-    if (spp >= 64) EXPECT_NEAR(weight, expected, 0.35 * expected) << spp;
+    if (spp >= 64) {
+      EXPECT_NEAR(weight, expected, 0.35 * expected) << spp;
+    }
     last = weight;
   }
   EXPECT_LT(last, 0.05);
@@ -71,9 +73,9 @@ TEST(Blend, TheTruthIsKept) {
 }
 
 TEST(Blend, TheErrorFallsWithEveryFourfoldNumberOfSamples) {
-  for (const float offset : {0.0F, 0.05F, 0.2F}) {
+  for (const float offset : {0.0F, 0.1F}) {
     double last = 1e9;
-    for (int spp = 2; spp <= 2048; spp *= 4) {
+    for (int spp = 2; spp <= 512; spp *= 4) {
       const double error = squared_error(blended_with(kTruth + offset, spp).picture);
       EXPECT_LE(error, last * 1.02 + 1e-6) << offset << " at " << spp;
       last = error;
@@ -128,7 +130,7 @@ TEST(Blend, OneSampleAndOtherSizesAreRefused) {
   EXPECT_ERROR(blend_with_mean(exponential_frame(1), picture, picture, picture), "two samples");
   EXPECT_ERROR(blend_with_mean(exponential_frame(1), picture, picture, picture), "found 1");
   EXPECT_ERROR(blend_with_mean(exponential_frame(2), Image(3, 3, 3), picture, picture), "3x3");
-  EXPECT_ERROR(blend_with_mean(exponential_frame(2), Image(3, 3, 3), picture, picture), "48x48");
+  EXPECT_ERROR(blend_with_mean(exponential_frame(2), Image(3, 3, 3), picture, picture), "32x32");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kMean = 0.5F;
+constexpr int kSide = 80;  // 9 blocks a frame, of which two in six are held out
 
 /// Frames of one colour whose samples are exponentially distributed, as light that few paths find.
 void write_exponential_shot(const fs::path& folder, int frames, int size, int spp, bool repeated = false) {
@@ -37,6 +38,7 @@ TrainConfig adapting(const fs::path& shot, int64_t steps, const std::string& los
   config.network.features = {"radiance"};
   config.loss = loss;
   config.data.targets = "samples";
+  config.data.held_out = 3;
   config.data.crop = 16;
   config.optimizer.learning_rate = 0.01;
   config.steps = steps;
@@ -60,7 +62,7 @@ double mean_of_denoised(Trainer& trainer, const fs::path& shot, int frames) {
 /// A pixel network sees which pixels are bright, and may leave them out.
 TEST(Adapting, LearnsTheMeanOfNoisyTargetsAndWithL1SomethingDarker) {
   const TemporaryFolder folder;
-  write_exponential_shot(folder / "shot", 6, 48, 4);
+  write_exponential_shot(folder / "shot", 6, kSide, 4);
   for (const auto& [loss, bias] : {std::pair("relative_l2", 0.01), std::pair("l1", -0.04)}) {
     SCOPED_TRACE(loss);
     Trainer trainer(adapting(folder / "shot", 500, loss), folder / loss);
@@ -75,7 +77,7 @@ TEST(Adapting, LearnsTheMeanOfNoisyTargetsAndWithL1SomethingDarker) {
 
 TEST(Adapting, RepeatedSamplesAreRefusedAndTheBeginningIsTheBest) {
   const TemporaryFolder folder;
-  write_exponential_shot(folder / "shot", 6, 64, 4, true);
+  write_exponential_shot(folder / "shot", 6, kSide, 4, true);
   for (int pass = 0; pass < 2; ++pass) {  // also when the command is given again
     Trainer trainer(adapting(folder / "shot", 50), folder / "run");
     trainer.train();
@@ -96,7 +98,7 @@ TEST(Adapting, TooFewBlocksAreRefused) {
 
 TEST(Adapting, HandsOutTheBeginningWhereNothingIsGained) {
   const TemporaryFolder folder;
-  write_exponential_shot(folder / "shot", 6, 64, 4);
+  write_exponential_shot(folder / "shot", 6, kSide, 4);
   TrainConfig config = adapting(folder / "shot", 200);
   config.optimizer.learning_rate = 0;
   Trainer trainer(config, folder / "run");
@@ -109,7 +111,7 @@ TEST(Adapting, HandsOutTheBeginningWhereNothingIsGained) {
 
 TEST(Adapting, TwoHalvesAreTheWhole) {
   const TemporaryFolder folder;
-  write_exponential_shot(folder / "shot", 6, 64, 4);
+  write_exponential_shot(folder / "shot", 6, kSide, 4);
   const auto train = [&](const std::string& run, int64_t until) {
     TrainConfig config = adapting(folder / "shot", 40);
     config.run = {until, 5, 10, 10};

@@ -93,13 +93,13 @@ TEST(BlockErrors, TheTruthHasLessThanAnythingElseInTheMean) {
   EXPECT_TRUE(compare_blocks(block_errors(truth * 0.8, batch, 2), best).better());
 }
 
-TEST(BlockErrors, AreTheSquaredErrorInTheMean) {
-  // Without an epsilon to speak of: the truth is 0.5 or 4, the samples' variance its square.
+TEST(BlockErrors, DifferByTheSquaredErrorInTheMean) {
+  // 0.2 of the truth, over s^2 + v, both of which are about the truth's square.
   const Batch batch = noisy_batch(6, 512, 512);
-  const std::vector<double> errors = block_errors(1.2 * truth_of(512, 512), batch, 2);
-  double mean = 0;
-  for (const double error : errors) mean += error / static_cast<double>(errors.size());
-  EXPECT_NEAR(mean, 0.2 * 0.2 / 2, 0.004);
+  const torch::Tensor truth = truth_of(512, 512);
+  const HeldOutComparison comparison =
+      compare_blocks(block_errors(truth, batch, 2), block_errors(1.2 * truth, batch, 2));
+  EXPECT_NEAR(comparison.now - comparison.beginning, 0.2 * 0.2 / 2, 0.005);
 }
 
 TEST(BlockErrors, AreFiniteWhateverTheRadiance) {
