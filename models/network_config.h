@@ -37,6 +37,10 @@ struct UNetConfig {
 /// hold the list.
 inline constexpr const char* kAutoFeatures = "auto";
 
+/// Instead of a network's name: the network of the weights that the training begins with, sizes and all,
+/// without those of its optional features that the data lack. Likewise resolved when a training begins.
+inline constexpr const char* kNetworkOfInit = "init";
+
 /// One struct for all networks; keys that a network has no use for are ignored, except where that would
 /// surprise (make_network).
 struct NetworkConfig {
@@ -70,6 +74,7 @@ struct NetworkConfig {
   std::string initialisation = "xavier";  // of the weights of a new training (models/initialise.h)
   double initial_kernel = 0;              // deviation of the Gaussian that kernels begin as, pixels; 0: none
 
+  bool of_init() const { return name == kNetworkOfInit; }
   bool auto_features() const { return features == std::vector<std::string>{kAutoFeatures}; }
 
   /// The features that are not optional.

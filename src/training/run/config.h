@@ -38,12 +38,18 @@ struct DataConfig {
   // [LEAST, MOST]: how many of a frame's samples a batch uses (dataset/sample_draw.h); []: all of them.
   std::vector<int64_t> samples;
   int64_t validation_samples = 0;  // the first so many of each frame validate; 0: MOST, or all of them
-  double drop = 0;                 // share of crops that lack a feature of network.optional, for each of them
-  double exposure = 0;             // stops: radiance times 2^u, u uniform in [-exposure, exposure]
-  bool colours = false;            // give crops red, green and blue in any of their six orders
-  std::string cache;               // folder of cache files; "": .cache in each data set; none: no files
+  /// What the network's picture is compared with: the frames' references; or `samples`: those of a frame that
+  /// the network does not see, so that noisy frames alone will do (training/held_out.h).
+  std::string targets = "reference";
+  int64_t held_out = 5;  // with targets from samples, one in so many frames validates, where no split says so
+  double drop = 0;       // share of crops that lack a feature of network.optional, for each of them
+  double exposure = 0;   // stops: radiance times 2^u, u uniform in [-exposure, exposure]
+  bool colours = false;  // give crops red, green and blue in any of their six orders
+  std::string cache;     // folder of cache files; "": .cache in each data set; none: no files
   int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
   int64_t workers = 2;             // threads that prepare batches; 0: each when it is needed
+
+  bool sample_targets() const { return targets == "samples"; }
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -58,6 +64,8 @@ struct DataConfig {
     v.field("difficulty", difficulty, Range{1, 1024});
     v.field("samples", samples, Range{1, 4096});
     v.field("validation_samples", validation_samples, Range{0, 4096});
+    v.field("targets", targets, {"reference", "samples"});
+    v.field("held_out", held_out, Range{2, 1000});
     v.field("drop", drop, Range{0, 1});
     v.field("exposure", exposure, Range{0, 10});
     v.field("colours", colours);
