@@ -133,10 +133,10 @@ class Run {
 
  private:
   /// Of a half of the samples.
-  Image denoise_half(const Frame& half, SequenceState& state) const {
+  Image denoise_half(const Frame& half, SequenceState& state) {
     DenoiseOptions how = how_;
     how.progress = nullptr;
-    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how, &state);
+    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how);
   }
 
   void blend(const Frame& frame, Image& picture) {
