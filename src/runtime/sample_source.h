@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "frame/sample_arrays.h"
+#include "graph/extent.h"
 #include "graph/graph.h"
 #include "runtime/row_window.h"
 
