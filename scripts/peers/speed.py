@@ -3,12 +3,13 @@
 renders a frame and calls
 
     out/peers/venv/bin/python scripts/peers/speed.py --frame FRAME.exr [--sizes 128x128,1280x720,1920x1080] [--threads 1,2]
-        [--models common_fast,common_fine] [--qualities high,balanced,fast] [--repeats 9] [--json FILE]
+        [--models common_fast,common_fine] [--parts 1] [--qualities high,balanced,fast] [--repeats 9] [--json FILE]
 
 Everything begins with the samples as numpy arrays [samples, height, width, channels] and ends with a picture [height, width, 3]:
 
 - ours: `layered_denoiser.Denoiser.denoise` of all features that the weights read: the search for invalid samples, the median depth, the
   encoding, the network.
+  With --parts N also `Denoiser.denoise_parts` with N parts of the light.
 - Open Image Denoise: the means of radiance, albedo and normal over the samples, made by numpy on as many threads (oidn_filter.py), and its
   filter on them (hdr, cleanAux off). The means count; how much of the time they are is shown.
 
@@ -45,15 +46,19 @@ def resized(frame, width, height):
 
 
 class Ours:
-    def __init__(self, name, samples, threads):
-        self.name, self.threads = name, threads
-        self.denoiser = ld.Denoiser(name)
+    def __init__(self, model, samples, threads, parts=0):
+        self.name, self.threads = f"{model} +{parts}" if parts else model, threads
+        self.denoiser = ld.Denoiser(model)
+        self.parts = {str(part): samples["radiance"] for part in range(parts)}
         self.samples = {feature: samples[feature] for feature in self.denoiser.features if feature in samples}
 
     def run(self):
         """Seconds of the means, and of all."""
         start = time.perf_counter()
-        self.denoiser.denoise(self.samples, threads=self.threads)
+        if self.parts:
+            self.denoiser.denoise_parts(self.samples, self.parts, threads=self.threads)
+        else:
+            self.denoiser.denoise(self.samples, threads=self.threads)
         return 0.0, time.perf_counter() - start
 
 
@@ -98,7 +103,7 @@ def rows_of(options, frame, device_of):
         for threads in options.threads:
             device = device_of(threads)
             means = oidn.Means({name: samples[feature] for name, feature in AVERAGED.items()}, threads)
-            methods = [Ours(name, samples, threads) for name in options.models]
+            methods = [Ours(name, samples, threads, parts) for name in options.models for parts in sorted({0, options.parts})]
             methods += [Theirs(quality, device, means) for quality in options.qualities]
             seconds = measure(methods, options.repeats)
             oidn.check(device)
@@ -133,6 +138,7 @@ def main():
     parser.add_argument("--sizes", type=words(size), default=[(128, 128), (1280, 720), (1920, 1080)])
     parser.add_argument("--threads", type=words(int), default=sorted({1, cpus}))
     parser.add_argument("--models", type=words(str), default=["common_fast", "common_fine"], help="names of released weights, or files")
+    parser.add_argument("--parts", type=int, default=0, help="also with so many parts of the light, each the radiance again (default: %(default)s)")
     parser.add_argument("--qualities", type=words(str), default=["high", "balanced", "fast"])
     parser.add_argument("--baseline", default="oidn balanced", help="of the ratios, which are of whole times")
     parser.add_argument("--samples", type=int, default=0, help="the first so many of the frame (default: all)")

@@ -264,7 +264,8 @@ class Run {
     PictureLayers layers = {{"", with_alpha(denoised.picture, denoised.alpha)}};
     for (size_t i = 0; i < denoised.parts.size(); ++i)
       layers.emplace_back(input.frame.parts[i].name, denoised.parts[i]);
-    return write_picture(output, layers, input.original, parts_of(input.frame), job_.full_float, by);
+    return write_picture(output, layers, input.original, parts_of(input.frame), job_.full_float, by,
+                         threads_);
   }
 
   const DenoiseJob& job_;

@@ -7,6 +7,7 @@
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 #include <half.h>
 
 #include <algorithm>
@@ -132,13 +133,24 @@ void make_way(std::vector<Channel>& kept, const Part& part, std::vector<std::str
   }
 }
 
-void write_parts(const fs::path& temporary, const fs::path& path, const std::vector<Part>& parts) {
+/// OpenEXR's own threads, while it lives; they change no byte of a file.
+class WritingThreads {
+ public:
+  explicit WritingThreads(int threads) { Imf::setGlobalThreadCount(threads > 1 ? threads : 0); }
+  ~WritingThreads() { Imf::setGlobalThreadCount(0); }
+  WritingThreads(const WritingThreads&) = delete;
+  WritingThreads& operator=(const WritingThreads&) = delete;
+};
+
+void write_parts(const fs::path& temporary, const fs::path& path, const std::vector<Part>& parts,
+                 int threads) {
+  const WritingThreads writing(threads);
   std::vector<Imf::Header> headers;
   for (const Part& part : parts) headers.push_back(part.header);
   write_exr_file(temporary, path, [&](Imf::OStream& stream) {
     // What OpenEXR wants to be the same in all parts (display window, chromaticities, ...) is the picture's.
     Imf::MultiPartOutputFile file(stream, headers.data(), int(headers.size()),
-                                  /*overrideSharedAttributes=*/true);
+                                  /*overrideSharedAttributes=*/true, threads);
     for (size_t i = 0; i < parts.size(); ++i) {
       const Imath::Box2i& window = headers[i].dataWindow();
       Imf::FrameBuffer buffer;
@@ -155,7 +167,7 @@ void write_parts(const fs::path& temporary, const fs::path& path, const std::vec
 
 std::vector<std::string> write_picture(const fs::path& path, const PictureLayers& layers,
                                        const Original& original, const std::vector<PicturePart>& further,
-                                       bool full_float, const std::string& by) {
+                                       bool full_float, const std::string& by, int threads) {
   const ExrReader exr(original.file);
   const Image& picture = layers[0].second;
   std::vector<std::string> notes;
@@ -212,7 +224,7 @@ std::vector<std::string> write_picture(const fs::path& path, const PictureLayers
     else
       parts.push_back(std::move(own));
   }
-  write_atomically(path, [&](const fs::path& temporary) { write_parts(temporary, path, parts); });
+  write_atomically(path, [&](const fs::path& temporary) { write_parts(temporary, path, parts, threads); });
   if (beyond > 0)
     notes.push_back(
         fmt::format("{} colour channels are brighter than half floats reach (65504): darkened, with their "

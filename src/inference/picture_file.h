@@ -43,6 +43,6 @@ using PictureLayers = std::vector<std::pair<std::string, Image>>;
 /// each: what could not be kept. Throws Error.
 std::vector<std::string> write_picture(const std::filesystem::path& path, const PictureLayers& layers,
                                        const Original& original, const std::vector<PicturePart>& further,
-                                       bool full_float, const std::string& by);
+                                       bool full_float, const std::string& by, int threads);
 
 }  // namespace ld
