@@ -67,8 +67,8 @@ struct SvgfSettings {
   double history_depth =
       kReprojectionDepth;  // differences up to so many times the slope are the same surface
   double history_normal = kReprojectionNormal;  // least n . n'
-  std::string antilag = "clip";  // history within mean +- clip_deviations of the 5x5 pixels now; none
-  double clip_deviations = 1;    // of antilag
+  std::string antilag = "clip";   // history within mean +- clip_deviations of the 5x5 pixels now; none
+  double clip_deviations = 0.25;  // of antilag; 0.2 is the standard error of the mean of 25 pixels
   double antialias = 0.1;  // share of the new frame in the picture behind the filter; 1: no antialiasing
   double antialias_deviations = 1;  // the history within mean +- so many deviations of the 3x3 pixels
 

@@ -141,7 +141,7 @@ TEST(FrameFilter, ALampThatGoesOutIsGoneWithinThreeFramesWithAntilag) {
     }
     return 1.0;
   };
-  EXPECT_LT(std::abs(left_after("clip", 3)), 0.1);
+  EXPECT_LT(std::abs(left_after("clip", 3)), 0.05);
   EXPECT_GT(left_after("none", 3), 0.4) << "0.8^3";
 }
 

@@ -44,7 +44,7 @@ struct HistoryBoundsRow {
   int64_t width = 0, pitch = 0;
   int planes = 0;
   std::array<const float*, 5> ids{}, signals{};  // rows y - 2 to y + 2, null outside
-  float deviations = 1;
+  float deviations = 0.25F;
   float *columns = nullptr, *bounds = nullptr;  // three planes of a row for the work; the result
 };
 void svgf_history_bounds_row(const HistoryBoundsRow& row);
