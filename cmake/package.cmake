@@ -2,7 +2,7 @@
 set(share share/layer_denoiser)
 install(DIRECTORY configs examples DESTINATION ${share})
 install(DIRECTORY data/recipes DESTINATION ${share})
-install(PROGRAMS scripts/quickstart.sh DESTINATION ${share})
+install(PROGRAMS scripts/quickstart.sh scripts/quickstart_sequence.sh DESTINATION ${share})
 install(DIRECTORY docs DESTINATION share/doc/layer-denoiser)
 install(FILES README.md CHANGELOG.md DESTINATION share/doc/layer-denoiser)
 install(FILES LICENSE DESTINATION share/doc/layer-denoiser RENAME copyright)

@@ -54,6 +54,16 @@ void check_use(const NetworkConfig& config) {
     fail_usage(
         "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized'",
         config.levels, config.name);
+  if (!network.remembers && config.history != unset.history)
+    fail_usage("network.history is given, but network '{}' keeps nothing from frame to frame; leave it out",
+               config.name);
+  if (network.remembers &&
+      std::find(config.optional.begin(), config.optional.end(), "flow") != config.optional.end())
+    fail_usage(
+        "network.optional names 'flow', but network '{}' would take a frame without it for one in which "
+        "nothing "
+        "moves; leave it out of network.optional",
+        config.name);
   if (config.rejection && network.filter != Filter::splat)
     fail_usage(
         "network.rejection is true, but network '{}' sends nothing that could count less; leave it out",
@@ -114,6 +124,7 @@ void check_network(const NetworkConfig& config) {
   check_widths("sample_reducer", config.sample_reducer, false);
   check_widths("sample_partitioner", config.sample_partitioner, true);
   check_widths("kernel_generator", config.kernel_generator, true);
+  check_widths("history", config.history, true);
   const UNetConfig& unet = config.unet;
   if (unet.encoder.empty()) fail_usage("network.unet.encoder is empty, expected at least one block");
   if (unet.encoder.size() > kMostResolutions)

@@ -21,6 +21,7 @@ struct NetworkTraits {
   Sources sources;
   bool has_levels;  // works at several resolutions, with a kernel generator for each
   Filter filter;
+  bool remembers = false;  // keeps a state from frame to frame of a sequence (models/network.h)
 };
 
 /// Throws UsageError for a name that is not in models/networks.def.

@@ -6,6 +6,7 @@
 #include "core/checksum.h"
 #include "core/random.h"
 #include "models/demodulation.h"
+#include "models/history.h"
 #include "models/kernel_generator.h"
 #include "models/rejection.h"
 #include "models/unet.h"
@@ -81,6 +82,7 @@ void initialise(Network& network, uint64_t seed) {
   for (const auto& module : network.modules(/*include_self=*/false)) {
     if (auto* modulation = dynamic_cast<Modulation*>(module.get())) modulation->initialise();
     if (auto* rejection = dynamic_cast<Rejection*>(module.get())) rejection->initialise();
+    if (auto* history = dynamic_cast<History*>(module.get())) history->initialise();
     if (config.initial_kernel == 0) continue;
     if (auto* generator = dynamic_cast<KernelGenerator*>(module.get()))
       generator->begin_as_gaussian(config.initial_kernel);

@@ -23,9 +23,9 @@ NetworkInput Network::admit(NetworkInput input) {
   return input;
 }
 
-torch::Tensor Network::forward(NetworkInput input) {
+torch::Tensor Network::forward(NetworkInput input, NetworkState& state) {
   input = admit(std::move(input));
-  torch::Tensor output = denoise(input);
+  torch::Tensor output = denoise(input, state);
   if (!output.requires_grad()) return output;
   const double largest = input.radiance.detach().max().item<double>();  // finite now
   if (largest > 1e15) {

@@ -3,6 +3,7 @@
 
 #include <torch/torch.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +23,11 @@ struct Kernels {
   bool of_layers = false;  // or of samples, or of pixels
 };
 
+/// What a network keeps from one frame of a sequence to the next: tensors [B, ...] by their names. Empty
+/// before the first frame, and always for networks of single frames. Zeros of the same shapes mean the same
+/// as empty.
+using NetworkState = std::map<std::string, torch::Tensor>;
+
 /// A network of [MH20]: linear radiance samples and features in, the linear denoised image [B, 3, H, W] out.
 class Network : public torch::nn::Module {
  public:
@@ -35,7 +41,18 @@ class Network : public torch::nn::Module {
   ///
   /// Differentiable. Where radiance exceeds 1e15, the gradient of the result is bounded so that its product
   /// with the radiance, which is what reaches the kernels, stays below 1e30: sums of larger ones overflow.
-  torch::Tensor forward(NetworkInput input);
+  torch::Tensor forward(NetworkInput input) {
+    NetworkState none;
+    return forward(std::move(input), none);
+  }
+
+  /// The next frame of B sequences. `state` is what the frames before have left, and receives what this one
+  /// leaves; it is at the device of the weights. Differentiable in the state, too, so that a loss over a clip
+  /// goes back through its frames. Throws Error for a state of another network, batch or size.
+  torch::Tensor forward(NetworkInput input, NetworkState& state);
+
+  /// Whether it keeps anything.
+  bool remembers() const { return network_traits(config_.name).remembers; }
 
   /// The kernels that forward() of a small picture would apply.
   Kernels kernels(NetworkInput input);
@@ -57,8 +74,8 @@ class Network : public torch::nn::Module {
   /// through here.
   NetworkInput admit(NetworkInput input);
 
-  /// Of an admitted input.
-  virtual torch::Tensor denoise(const NetworkInput& input) = 0;
+  /// Of an admitted input. Networks of single frames leave the state alone.
+  virtual torch::Tensor denoise(const NetworkInput& input, NetworkState& state) = 0;
   virtual Kernels make_kernels(const NetworkInput& input) = 0;
 
   NetworkConfig config_;

@@ -37,6 +37,10 @@ struct UNetConfig {
 /// hold the list.
 inline constexpr const char* kAutoFeatures = "auto";
 
+/// Instead of a network's name: the network of the weights that the training begins with, sizes and all,
+/// without those of its optional features that the data lack. Likewise resolved when a training begins.
+inline constexpr const char* kNetworkOfInit = "init";
+
 /// One struct for all networks; keys that a network has no use for are ignored, except where that would
 /// surprise (make_network).
 struct NetworkConfig {
@@ -53,7 +57,8 @@ struct NetworkConfig {
   std::vector<int64_t> sample_reducer = {32, 32, 32};  // outputs of its layers; the last is the embedding
   std::vector<int64_t> sample_partitioner = {32, 16};  // outputs of its hidden layers; the last has `layers`
   std::vector<int64_t> kernel_generator = {
-      128, 128};  // outputs of its hidden layers; the last has kernel_size squared
+      128, 128};                        // outputs of its hidden layers; the last has kernel_size squared
+  std::vector<int64_t> history = {16};  // of "layer_history": hidden layers of what weighs the history
   UNetConfig unet;
   /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
   /// (models/exposure.h): the result then scales with the radiance exactly.
@@ -69,6 +74,7 @@ struct NetworkConfig {
   std::string initialisation = "xavier";  // of the weights of a new training (models/initialise.h)
   double initial_kernel = 0;              // deviation of the Gaussian that kernels begin as, pixels; 0: none
 
+  bool of_init() const { return name == kNetworkOfInit; }
   bool auto_features() const { return features == std::vector<std::string>{kAutoFeatures}; }
 
   /// The features that are not optional.
@@ -91,6 +97,7 @@ struct NetworkConfig {
     v.field("sample_reducer", sample_reducer, Range{1, 4096});
     v.field("sample_partitioner", sample_partitioner, Range{1, 4096});
     v.field("kernel_generator", kernel_generator, Range{1, 4096});
+    v.field("history", history, Range{1, 4096});
     v.section("unet", unet);
     v.field("exposure_normalisation", exposure_normalisation);
     v.field("means", means);

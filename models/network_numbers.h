@@ -13,6 +13,12 @@ constexpr double kSteadyFalloff = 12;         // of beta's input with the varian
 // models/rejection.h.
 constexpr double kMostRejected = 16;  // a pixel's layer counts for e^-16, 1e-7, of another's at least
 
+// models/history.h.
+constexpr double kLongestHistory = 32;     // frames that a history counts for at most
+constexpr double kInitialHistory = -1;     // the gate's logit before anything is learnt
+constexpr double kLargestCompared = 1e35;  // of light: sums over a neighbourhood are finite
+constexpr int kComparedRadius = 2;         // pixels: of the neighbourhood, 5x5
+
 // models/exposure.h.
 constexpr double kMiddleGrey = 0.18;
 

@@ -32,6 +32,7 @@ GraphLayers add_partition(Graph& graph, const NetworkConfig& config, const Graph
 LayeredGraph add_layers_of(Graph& graph, const NetworkConfig& config, GraphInput input, bool demodulate) {
   graph.layers = config.layers;
   LayeredGraph made{};
+  made.samples = input.features;
   made.valid = input.valid;
   const ValueId embedding = add_reducer(graph, config, input.features);
   const ValueId mean = graph.add(graph::MaskedMean{}, {embedding, input.valid},

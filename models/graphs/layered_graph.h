@@ -16,7 +16,7 @@ struct GraphLayers {
 
 /// Everything before the filters.
 struct LayeredGraph {
-  graph::ValueId valid;
+  graph::ValueId samples, valid;         // their features, and which there are
   std::vector<graph::ValueId> features;  // of the U-net, finest first: the context
   std::optional<graph::ValueId> modulators;
   GraphLayers layers;

@@ -8,6 +8,7 @@ namespace ld {
 graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts& parts) {
   check_network(config);
   if (config.name == "layer") return layer_graph(config, parts);
+  if (config.name == "layer_history") return layer_history_graph(config, parts);
   if (config.name == "optimized") return optimized_graph(config, parts);
   if (config.name == "pixel_blend" || config.name == "pixel_gather" || config.name == "pixel_splat")
     return pixel_graph(config, parts);

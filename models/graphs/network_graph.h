@@ -13,9 +13,12 @@ graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts&
 /// [MH20] figure 2 (models/networks/layer_network.h).
 graph::Graph layer_graph(const NetworkConfig& config, const graph::LightParts& parts);
 
-/// The same network's layers, to look at. Outputs: L_l / n_l [N, C]; what layers are filtered to [N, C + 2],
-/// radiance, opacity and transmittance. With the weighted compositor they are filtered to [N, C + 1], and a
-/// third output [N, 1] has the shares of the layers in the picture. C is 3, or, with demodulation, 6: both
+/// Layers that remember (models/networks/layer_history_network.cpp); its state is Graph::state.
+graph::Graph layer_history_graph(const NetworkConfig& config, const graph::LightParts& parts);
+
+/// The layers of network "layer", to look at. Outputs: L_l / n_l [N, C]; what layers are filtered to [N, C +
+/// 2], radiance, opacity and transmittance. With the weighted compositor they are filtered to [N, C + 1], and
+/// a third output [N, 1] has the shares of the layers in the picture. C is 3, or, with demodulation, 6: both
 /// forms of the radiance (models/demodulation.h), and the last output has the factors of the modulation
 /// [1, 4].
 graph::Graph layer_views_graph(const NetworkConfig& config);

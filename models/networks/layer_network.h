@@ -9,8 +9,16 @@ class LayerNetwork : public LayeredNetwork {
  public:
   explicit LayerNetwork(const NetworkConfig& config);
 
+ protected:
+  /// The layers filtered and composited, before the texture comes back.
+  struct Composited {
+    torch::Tensor light;    // all forms of radiance that the input has [B, C, H, W]
+    torch::Tensor context;  // C_xy [B, C, H, W]
+  };
+  Composited composited(const NetworkInput& input) const;
+
  private:
-  torch::Tensor denoise(const NetworkInput& input) override;
+  torch::Tensor denoise(const NetworkInput& input, NetworkState& state) override;
   Kernels make_kernels(const NetworkInput& input) override;
 
   std::shared_ptr<KernelGenerator> kernel_generator_;

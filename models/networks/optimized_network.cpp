@@ -17,7 +17,7 @@ OptimizedNetwork::OptimizedNetwork(const NetworkConfig& config) : LayeredNetwork
                                                           i == 0 ? config.levels : 0)));  // lambda_i
 }
 
-Tensor OptimizedNetwork::denoise(const NetworkInput& input) {
+Tensor OptimizedNetwork::denoise(const NetworkInput& input, NetworkState& /*state*/) {
   const Tensor embedding = sample_reducer_->forward(input.features);  // E_xys
   const std::vector<Tensor> features =
       unet_->features(masked_mean(embedding, input.valid), config().levels);  // C_xy, then of each level

@@ -23,7 +23,7 @@ class OptimizedNetwork : public LayeredNetwork {
   void begin_sharp() override;
 
  private:
-  torch::Tensor denoise(const NetworkInput& input) override;
+  torch::Tensor denoise(const NetworkInput& input, NetworkState& state) override;
   Kernels make_kernels(const NetworkInput& input) override;
   torch::Tensor blended(const torch::Tensor& logits, const std::vector<torch::Tensor>& pictures,
                         const std::vector<torch::Tensor>& received) const;

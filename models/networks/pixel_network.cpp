@@ -25,7 +25,7 @@ PixelNetwork::Pixels PixelNetwork::make_pixels(const NetworkInput& input) const 
   return pixels;
 }
 
-Tensor PixelNetwork::denoise(const NetworkInput& input) {
+Tensor PixelNetwork::denoise(const NetworkInput& input, NetworkState& /*state*/) {
   const Pixels pixels = make_pixels(input);
   return modulated(filter(pixels), input, pixels.context);
 }

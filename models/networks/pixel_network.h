@@ -20,7 +20,7 @@ class PixelNetwork : public ContextNetwork {
   };
 
  private:
-  torch::Tensor denoise(const NetworkInput& input) override;
+  torch::Tensor denoise(const NetworkInput& input, NetworkState& state) override;
   Kernels make_kernels(const NetworkInput& input) override;
   Pixels make_pixels(const NetworkInput& input) const;
 

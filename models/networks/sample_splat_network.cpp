@@ -33,7 +33,7 @@ SampleSplatNetwork::SampleSplatNetwork(const NetworkConfig& config)
       kernel_generator_(register_module("kernel_generator",
                                         std::make_shared<KernelGenerator>(config, config.unet.context))) {}
 
-Tensor SampleSplatNetwork::denoise(const NetworkInput& input) {
+Tensor SampleSplatNetwork::denoise(const NetworkInput& input, NetworkState& /*state*/) {
   const Tensor features = with_valid_features(input.features, input.valid);
   const Tensor embedding = sample_reducer_->forward(features);                 // E_xys
   const Tensor context = unet_->forward(masked_mean(embedding, input.valid));  // C_xy

@@ -15,7 +15,7 @@ class SampleSplatNetwork : public ContextNetwork {
   explicit SampleSplatNetwork(const NetworkConfig& config);
 
  private:
-  torch::Tensor denoise(const NetworkInput& input) override;
+  torch::Tensor denoise(const NetworkInput& input, NetworkState& state) override;
   Kernels make_kernels(const NetworkInput& input) override;
 
   std::shared_ptr<KernelGenerator> kernel_generator_;

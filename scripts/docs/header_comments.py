@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-HEADERS = ["src/training/run/config.h", "models/network_config.h", "src/render/recipe/recipe.h", "src/render/file/scene_file_config.h",
-           "src/render/recipe/sequence_config.h", "src/render/random/random_scene.h", "src/import/mapping.h", "src/import/view_camera.cpp",
-           "src/filters/settings.h"]
+HEADERS = ["src/training/run/config.h", "src/losses/clip_loss_config.h", "models/network_config.h", "src/render/recipe/recipe.h",
+           "src/render/file/scene_file_config.h", "src/render/recipe/sequence_config.h", "src/render/random/random_scene.h",
+           "src/import/mapping.h", "src/import/view_camera.cpp", "src/filters/settings.h"]
 
 
 class Struct:

@@ -2,10 +2,10 @@
 """Denoises a split of a data set with Open Image Denoise (PyPI's pyoidn), for comparison:
 
     out/peers/venv/bin/python scripts/peers/oidn_denoise.py --data DIR --out PICTURES [--split test] [--threads N]
-        [--samples N] [--quality fast|balanced|high] [--prefilter]
+        [--samples N] [--quality fast|balanced|high] [--prefilter] [--colour DIR]
 
 Colour, albedo and normal are the means of each pixel's valid samples, as a renderer would hand them over; of the first N samples alone with
---samples, as ld_eval's. With --prefilter albedo and normal are denoised first, as its manual advises for final frames. Writes one EXR a frame and
+--samples, as ld_eval's. With --colour the colour is that of DIR/FRAME.exr, such as SVGF's accumulated light. With --prefilter albedo and normal are denoised first, as its manual advises for final frames. Writes one EXR a frame and
 cost.json, which `ld_eval --images NAME=PICTURES` and `ld_bench tradeoff --images NAME=PICTURES` read: seconds a frame, from the samples in memory to
 the picture, so with the means and the prefilters, the median of the repeats; peak_mb, by how much the resident memory rose meanwhile.
 """
@@ -44,6 +44,12 @@ def read_samples(path, first):
             raise SystemExit(f"{path}: {len(parts)} samples, but --samples asks for {first}")
         windows = {key: parts[0].header[key] for key in ("dataWindow", "displayWindow")}
         return {feature: np.stack([planes(part, names) for part in parts[:first or None]]) for feature, names in FEATURES.items()}, windows
+
+
+def read_colour(path):
+    """[1, height, width, 3]"""
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        return planes(file.parts[0], FEATURES["color"])[None]
 
 
 def status_mb(key):
@@ -98,6 +104,7 @@ def main():
     parser.add_argument("--samples", type=int, default=0, help="the first so many of each frame (default: all)")
     parser.add_argument("--quality", choices=QUALITIES, default="high")
     parser.add_argument("--prefilter", action="store_true", help="denoise albedo and normal first")
+    parser.add_argument("--colour", type=Path, help="pictures FRAME.exr in the place of the samples' mean")
     options = parser.parse_args()
 
     manifest = json.loads((options.data / "manifest.json").read_text())
@@ -109,6 +116,9 @@ def main():
     cost = {"program": version_of(device), "threads": options.threads, "peak_mb": 0.0, "seconds": {}}
     for name in frames:
         samples, windows = read_samples(options.data / f"{name}.exr", options.samples)
+        if options.colour:
+            samples = {feature: values.mean(axis=0, keepdims=True) for feature, values in samples.items()}
+            samples["color"] = read_colour(options.colour / f"{name}.exr")
         picture, seconds, memory = denoise(device, samples, options)
         write_picture(options.out / f"{name}.exr", picture, windows)
         cost["seconds"][name] = seconds

@@ -1,13 +1,14 @@
 // Times operators and networks against their LibTorch compositions: `ld_bench ops`, `ld_bench network`; the
-// renderer against Embree: `ld_bench render`; says what the networks of training configurations cost:
-// `ld_bench config FILE ...`; and sets the error of trained models against their time and memory:
-// `ld_bench tradeoff --data DIR --model NAME=FILE ...`.
+// renderer against Embree: `ld_bench render`; the filters pass by pass: `ld_bench filters`; says what the
+// networks of training configurations cost: `ld_bench config FILE ...`; and sets the error of trained models
+// against their time and memory: `ld_bench tradeoff --data DIR --model NAME=FILE ...`.
 
 #include <filesystem>
 #include <iostream>
 
 #include "apps/app.h"
 #include "benchmark/bench_report.h"
+#include "benchmark/filter_speed.h"
 #include "benchmark/loader.h"
 #include "benchmark/network_sweeps.h"
 #include "benchmark/render_speed.h"
@@ -57,9 +58,17 @@ void add_names(const std::vector<Row>& rows, std::vector<std::string>& names) {
   for (const Row& row : rows) names.push_back(row.name);
 }
 
+double sgemm_speed(const Options& options) {
+  return ld::sgemm_gflops(options.sizes.quick ? 256 : 2048, options.measure.repeats);
+}
+
+double memory_speed(const Options& options) {
+  return ld::memory_gb_per_s(options.measure.repeats, int64_t(1) << (options.sizes.quick ? 20 : 25));
+}
+
 nlohmann::ordered_json run_rows(const Options& options, const std::vector<ld::RowSpec>& specs,
                                 const std::string& name, int threads) {
-  const double sgemm = ld::sgemm_gflops(options.sizes.quick ? 256 : 2048, options.measure.repeats);
+  const double sgemm = sgemm_speed(options);
   spdlog::info("sgemm: {:.1f} GFLOP/s on {} threads", sgemm, threads);
   const auto rows = ld::run_rows(ld::chosen_rows(specs, options.only), options.measure, sgemm);
   if (!rows.empty()) publish(options, name + ".md", ld::markdown_rows(rows));
@@ -78,9 +87,7 @@ nlohmann::ordered_json run_rows(const Options& options, const std::vector<ld::Ro
 void run_sizes(const Options& options, const std::vector<ld::SizeRow>& rows, nlohmann::ordered_json& json) {
   const auto chosen = ld::chosen_rows(rows, options.only);
   if (chosen.empty()) return;
-  const ld::MachineSpeed machine = {
-      json.at("sgemm_gflops"),
-      ld::memory_gb_per_s(options.measure.repeats, int64_t(1) << (options.sizes.quick ? 20 : 25))};
+  const ld::MachineSpeed machine = {json.at("sgemm_gflops"), memory_speed(options)};
   json["memory_gb_per_s"] = machine.memory_gb_per_s;
   std::vector<ld::SizeTime> times;
   for (const ld::SizeRow& row : chosen) {
@@ -144,7 +151,7 @@ nlohmann::ordered_json run_ops(const Options& options, int threads) {
 }
 
 struct Commands {
-  CLI::App *ops, *network, *render, *loader, *config, *tradeoff;
+  CLI::App *ops, *network, *render, *filters, *loader, *config, *tradeoff;
 };
 
 void declare_tradeoff(CLI::App& command, Options& options) {
@@ -196,6 +203,7 @@ Commands declare(CLI::App& app, Options& options) {
       "network",
       "whole networks; the runtime on several sizes; cost, time by stage and by number of samples");
   commands.render = app.add_subcommand("render", "the path tracer against Embree alone on the same rays");
+  commands.filters = app.add_subcommand("filters", "EAW and SVGF at 1920x1080 and at half as many rows");
   commands.loader = app.add_subcommand("loader", "crops from a data set, and the making of their cache");
   declare_loader(*commands.loader, options.loader);
   commands.tradeoff =
@@ -203,7 +211,8 @@ Commands declare(CLI::App& app, Options& options) {
   declare_tradeoff(*commands.tradeoff, options);
   commands.config = app.add_subcommand("config", "what the networks of training configurations cost");
   commands.config->add_option("files", options.files, "YAML configurations")->required();
-  for (CLI::App* command : {commands.ops, commands.network, commands.render, commands.config}) {
+  for (CLI::App* command :
+       {commands.ops, commands.network, commands.render, commands.filters, commands.config}) {
     command->fallthrough();  // --json, --threads after the subcommand
     command->add_option("--repeats", options.measure.repeats, "timed runs of each row")
         ->check(CLI::Range(1, 1000))
@@ -241,6 +250,15 @@ nlohmann::ordered_json run_rendering(const Options& options, int threads) {
       ld::measure_rendering(size, options.sizes.quick ? 1 : 8, options.measure.repeats, threads);
   std::cout << ld::markdown(speeds, threads);
   return ld::to_json(speeds);
+}
+
+nlohmann::ordered_json run_filters(const Options& options, int threads) {
+  const bool quick = options.sizes.quick;
+  const auto times =
+      ld::measure_filters(quick ? 48 : 1920, quick ? 32 : 1080, options.measure.repeats, threads);
+  const ld::MachineSpeed machine = {sgemm_speed(options), memory_speed(options)};
+  std::cout << ld::markdown(times, machine);
+  return ld::to_json(times, machine);
 }
 
 nlohmann::ordered_json run_tradeoff(Options& options, int threads) {
@@ -286,6 +304,8 @@ int main(int argc, char** argv) {
       json = run_network(options, app.threads());
     } else if (commands.render->parsed()) {
       json = run_rendering(options, app.threads());
+    } else if (commands.filters->parsed()) {
+      json = run_filters(options, app.threads());
     } else if (commands.loader->parsed()) {
       json = ld::bench_loader(options.loader);
       std::cout << ld::markdown_loader(json);

@@ -23,6 +23,7 @@ namespace {
 struct Options {
   std::string model = "common", filter, output, noisy, frames, preset, mapping, camera, view;
   std::string alpha = "copy";
+  bool blend = false;
   std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
   std::string movie;
@@ -69,6 +70,9 @@ void declare(CLI::App& app, Options& o) {
                      "parts of the light whose names fit this (*, ?, [...]): each is filtered as the picture "
                      "is and becomes a "
                      "layer of its name, so that they still add up; may be repeated (default: none)"));
+  app.add_flag(
+      "--blend", o.blend,
+      "towards the mean of the samples where that is nearer to the truth, by an estimate of both errors");
   app.add_option("--alpha", o.alpha, "copy: the mean of the samples' alpha; filter: by the picture's kernels")
       ->check(CLI::IsMember({"copy", "filter"}))
       ->capture_default_str();
@@ -191,6 +195,7 @@ ld::DenoiseJob job_of(Options o) {
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;
   job.filter_alpha = o.alpha == "filter";
+  job.blend = o.blend;
   job.noisy = o.noisy;
   const auto wants = [&](const char* part) { return std::count(o.aovs.begin(), o.aovs.end(), part) > 0; };
   job.layers = wants("layers");

@@ -47,10 +47,11 @@ int main(int argc, char** argv) {
 
     if (trainer.total_steps() == 0) return;  // stopped before anything began
     const ld::TrainingState& state = trainer.state();
-    const std::string best =
-        std::isfinite(state.best_score)
-            ? fmt::format("best validation loss {:.4f} at step {}", state.best_score, state.best_step)
-            : "no validation yet";
+    std::string best = trainer.verdict();
+    if (best.empty())
+      best = std::isfinite(state.best_score)
+                 ? fmt::format("best validation loss {:.4f} at step {}", state.best_score, state.best_step)
+                 : "no validation yet";
     spdlog::info("{} of {} steps done; {}; weights in {}/checkpoints", state.step, trainer.total_steps(),
                  best, run);
     if (!group->is_root()) return;
@@ -63,6 +64,7 @@ int main(int argc, char** argv) {
                     {"skipped", state.skipped},
                     {"rollbacks", state.rollbacks},
                     {"best_score", state.best_score},
-                    {"best_step", state.best_step}});
+                    {"best_step", state.best_step},
+                    {"verdict", trainer.verdict()}});
   });
 }

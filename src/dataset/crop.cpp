@@ -138,13 +138,14 @@ bool is_colour(const Feature& feature) {
 class CropReader {
  public:
   CropReader(const PackedFrame& frame, const Augmentation& a, const std::vector<std::string>& features,
-             const CropPlanes& planes, const SampleList& samples)
+             const CropPlanes& planes, const SampleList& samples, const SampleList& targets)
       : frame_(frame),
         a_(a),
         map_(a, frame),
         planes_(planes),
         sources_(sources_of(frame, features)),
         samples_(frame.chosen(samples)),
+        targets_(targets.empty() ? targets : frame.chosen(targets)),
         own_table_(a.exposure == 1 ? nullptr : std::make_unique<ToneMapTable>(a.exposure)),
         table_(own_table_ ? *own_table_ : ToneMapTable::unexposed()),
         plane_(static_cast<size_t>(a.width) * static_cast<size_t>(a.height)),
@@ -168,12 +169,30 @@ class CropReader {
       std::copy_n(valid + s * kTilePixels, kTilePixels, encoded_.begin());
       put(encoded_.data(), planes_.valid + i * plane_);
     }
+    const float* reference = frame_.reference + tile * PackedFrame::kTileReference;
+    if (!targets_.empty()) reference = mean_of_targets(samples, valid, reference);
     for (int c = 0; c < 3; ++c)
-      put_exposed(frame_.reference + tile * PackedFrame::kTileReference + tile_plane(colour(c)),
-                  planes_.reference + static_cast<size_t>(c) * plane_);
+      put_exposed(reference + tile_plane(colour(c)), planes_.reference + static_cast<size_t>(c) * plane_);
   }
 
  private:
+  const float* mean_of_targets(const uint16_t* samples, const uint8_t* valid, const float* otherwise) {
+    target_.fill(0);
+    drawn_.fill(0);
+    for (const int s : targets_) {
+      half_to_float(samples + static_cast<size_t>(s) * values_.size(), values_.data(), target_.size());
+      const uint8_t* mask = valid + tile_plane(s);
+      for (size_t p = 0; p < kTilePixels; ++p) drawn_[p] += mask[p];
+      // The channels of what is not valid are 0.
+      for (size_t i = 0; i < target_.size(); ++i) target_[i] += values_[i];
+    }
+    for (size_t i = 0; i < target_.size(); ++i) {
+      const int drawn = drawn_[i % kTilePixels];
+      target_[i] = drawn > 0 ? target_[i] / static_cast<float>(drawn) : otherwise[i];
+    }
+    return target_.data();
+  }
+
   void read_sample(const uint16_t* half_bits, const uint8_t* valid) {
     half_to_float(half_bits, values_.data(), values_.size());
     for (int c = 0; c < 3; ++c, radiance_out_ += plane_)
@@ -215,12 +234,14 @@ class CropReader {
   const PixelMap map_;
   const CropPlanes planes_;
   const std::vector<Source> sources_;
-  const SampleList samples_;
+  const SampleList samples_, targets_;
   const std::unique_ptr<ToneMapTable> own_table_;
   const ToneMapTable& table_;
   const size_t plane_;         // floats of a plane of the result
   std::vector<float> values_;  // of all channels of one sample of the tile, in the units of the files
   std::array<float, kTilePixels> encoded_{};
+  std::array<float, PackedFrame::kTileReference> target_{};
+  std::array<int, kTilePixels> drawn_{};
   int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0, first_ = 0;  // the tile's part of the crop, where it begins
   float *features_out_ = nullptr, *radiance_out_ = nullptr;
 };
@@ -228,9 +249,9 @@ class CropReader {
 }  // namespace
 
 void read_crop(const PackedFrame& frame, const Augmentation& augmentation,
-               const std::vector<std::string>& features, const CropPlanes& planes,
-               const SampleList& samples) {
-  CropReader reader(frame, augmentation, features, planes, samples);
+               const std::vector<std::string>& features, const CropPlanes& planes, const SampleList& samples,
+               const SampleList& targets) {
+  CropReader reader(frame, augmentation, features, planes, samples, targets);
   const TileRange range = augmentation.tiles();
   for (int y = range.y0; y < range.y1; ++y)
     for (int x = range.x0; x < range.x1; ++x) reader.read(x, y);

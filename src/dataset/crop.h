@@ -19,9 +19,11 @@ struct CropPlanes {
 };
 
 /// `features` in the network's order, all held by the frame; of the frame's samples only those in `samples`.
-/// Throws Error when the crop does not lie inside the frame or a feature or a sample is not held.
+/// With `targets`, the mean radiance of these samples takes the place of the reference; a pixel in which none
+/// of them is valid keeps the frame's reference. Throws Error when the crop does not lie inside the frame or
+/// a feature or a sample is not held.
 void read_crop(const PackedFrame& frame, const Augmentation& augmentation,
                const std::vector<std::string>& features, const CropPlanes& planes,
-               const SampleList& samples = {});
+               const SampleList& samples = {}, const SampleList& targets = {});
 
 }  // namespace ld

@@ -117,7 +117,8 @@ void read_head(const fs::path& path) {
 
 std::string source_state(const fs::path& data_set, const ManifestFrame& frame) {
   return file_state(frame_path(data_set, frame.name), frame.checksum) + "; reference " +
-         file_state(reference_path(data_set, frame.name), frame.reference_checksum);
+         (frame.has_reference ? file_state(reference_path(data_set, frame.name), frame.reference_checksum)
+                              : "none");
 }
 
 FrameCache::FrameCache(const fs::path& folder, const std::vector<std::string>& features, uint64_t reserve)

@@ -34,8 +34,12 @@ void check_header(const fs::path& path, const FrameHeader& header, const std::ve
 
 FrameStore::FrameStore(fs::path data_set, const std::string& split, std::vector<std::string> features,
                        const CacheOptions& options)
+    : FrameStore(data_set, frames_of_split(data_set, split), std::move(features), options) {}
+
+FrameStore::FrameStore(fs::path data_set, std::vector<ManifestFrame> frames,
+                       std::vector<std::string> features, const CacheOptions& options)
     : data_set_(std::move(data_set)), features_(std::move(features)), memory_budget_(options.memory) {
-  for (ManifestFrame& frame : frames_of_split(data_set_, split)) {
+  for (ManifestFrame& frame : frames) {
     const fs::path path = frame_path(data_set_, frame.name);
     const FrameHeader header = read_frame_header(path);
     check_header(path, header, features_);

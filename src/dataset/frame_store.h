@@ -30,6 +30,9 @@ class FrameStore {
   /// frames in the split, a missing file or feature.
   FrameStore(std::filesystem::path data_set, const std::string& split, std::vector<std::string> features,
              const CacheOptions& options);
+  /// The same for these frames of the folder.
+  FrameStore(std::filesystem::path data_set, std::vector<ManifestFrame> frames,
+             std::vector<std::string> features, const CacheOptions& options);
 
   const std::filesystem::path& folder() const { return data_set_; }
   size_t size() const { return entries_.size(); }

@@ -98,7 +98,7 @@ Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::str
     const CropPlanes planes = {planes_of(batch.input.features, channels), planes_of(batch.input.radiance, 3),
                                planes_of(batch.input.valid, 1),
                                batch.reference.data_ptr<float>() + b * 3 * pixels};
-    read_crop(*crops[b].frame, crops[b].augmentation, features, planes, crops[b].samples);
+    read_crop(*crops[b].frame, crops[b].augmentation, features, planes, crops[b].samples, crops[b].targets);
     const size_t drawn = crops[b].sample_count(), missing = static_cast<size_t>(spp) - drawn;
     for (const auto& [plane, count_of_planes] :
          {std::pair(planes.features, channels), std::pair(planes.radiance, 3), std::pair(planes.valid, 1)})

@@ -35,6 +35,7 @@ struct FrameCrop {
   std::shared_ptr<const PackedFrame> frame;
   Augmentation augmentation;
   SampleList samples = {};
+  SampleList targets = {};  // whose mean takes the place of the reference; none: the frame's reference
 
   size_t sample_count() const { return samples.empty() ? static_cast<size_t>(frame->spp) : samples.size(); }
 };

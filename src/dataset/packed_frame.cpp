@@ -1,6 +1,7 @@
 #include "dataset/packed_frame.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -47,26 +48,43 @@ void cut_tile(const Value* plane, int width, int height, int x0, int y0, Value* 
                 columns, tile + y * kTileSide);
 }
 
-/// Radiance is in the first three of the packed channels.
-float smape_of_tile(const float* radiance, const uint8_t* valid, int spp, size_t sample_pitch,
-                    const float* reference) {
+/// The samples of a tile: radiance is in the first three of the packed channels.
+struct TileSamples {
+  const float* radiance;
+  const uint8_t* valid;
+  int spp;
+  size_t pitch;  // floats from one sample to the next
+
+  /// The mean radiance of the valid ones of the samples first, first + step, ...; 0 where there is none.
+  void mean(int first, int step, float* result) const {
+    std::array<int, kTilePixels> drawn{};
+    std::fill_n(result, PackedFrame::kTileReference, 0.0F);
+    for (int s = first; s < spp; s += step)
+      for (size_t p = 0; p < kTilePixels; ++p) {
+        if (valid[tile_plane(s) + static_cast<std::ptrdiff_t>(p)] == 0) continue;
+        ++drawn[p];
+        for (size_t c = 0; c < 3; ++c)
+          result[c * kTilePixels + p] += radiance[static_cast<size_t>(s) * pitch + c * kTilePixels + p];
+      }
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t p = 0; p < kTilePixels; ++p)
+        if (drawn[p] > 0) result[c * kTilePixels + p] /= static_cast<float>(drawn[p]);
+  }
+};
+
+/// Of two pictures of a tile, over the pixels that have samples.
+float smape_of_tile(const float* a, const float* b, const uint8_t* valid, int spp) {
   constexpr auto kEpsilon = static_cast<float>(kSmapeEpsilon);
   double sum = 0;
   int count = 0;
   for (size_t p = 0; p < kTilePixels; ++p) {
-    float mean[3] = {0, 0, 0};
-    int drawn = 0;
-    for (size_t s = 0; s < static_cast<size_t>(spp); ++s) {
-      if (valid[s * kTilePixels + p] == 0) continue;
-      ++drawn;
-      for (size_t c = 0; c < 3; ++c) mean[c] += radiance[s * sample_pitch + c * kTilePixels + p];
-    }
-    if (drawn == 0) continue;
+    bool drawn = false;
+    for (int s = 0; s < spp && !drawn; ++s)
+      drawn = valid[tile_plane(s) + static_cast<std::ptrdiff_t>(p)] != 0;
+    if (!drawn) continue;
     ++count;
-    for (size_t c = 0; c < 3; ++c) {
-      const float d = mean[c] / static_cast<float>(drawn), r = reference[c * kTilePixels + p];
-      sum += std::fabs(d - r) / (std::fabs(d) + std::fabs(r) + kEpsilon);
-    }
+    for (size_t i = p; i < PackedFrame::kTileReference; i += kTilePixels)
+      sum += std::fabs(a[i] - b[i]) / (std::fabs(a[i]) + std::fabs(b[i]) + kEpsilon);
   }
   return count == 0 ? 0.0F : static_cast<float>(sum / (3 * count));
 }
@@ -130,6 +148,8 @@ PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features
   buffers->reference.resize(packed.tiles() * PackedFrame::kTileReference);
   const size_t sample_pitch = planes.size() * kTilePixels;
   std::vector<float> cut(packed.tile_samples());
+  std::array<float, PackedFrame::kTileReference> mean{}, other{};
+  const bool has_reference = pair.reference.image.width > 0;
   for (size_t tile = 0; tile < packed.tiles(); ++tile) {
     const int x0 = static_cast<int>(tile % static_cast<size_t>(packed.tiles_x())) * kTileSide;
     const int y0 = static_cast<int>(tile / static_cast<size_t>(packed.tiles_x())) * kTileSide;
@@ -148,9 +168,18 @@ PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features
         channel += kTilePixels;
       }
     }
-    for (int c = 0; c < 3; ++c) cut_plane(pair.reference.image.plane(c), reference + tile_plane(c));
+    const TileSamples samples = {cut.data(), valid, frame.spp, sample_pitch};
+    if (has_reference) {
+      for (int c = 0; c < 3; ++c) cut_plane(pair.reference.image.plane(c), reference + tile_plane(c));
+      samples.mean(0, 1, mean.data());
+      buffers->difficulty.push_back(smape_of_tile(mean.data(), reference, valid, frame.spp));
+    } else {
+      samples.mean(0, 1, reference);
+      samples.mean(0, 2, mean.data());
+      samples.mean(1, 2, other.data());
+      buffers->difficulty.push_back(smape_of_tile(mean.data(), other.data(), valid, frame.spp));
+    }
     float_to_half(cut.data(), buffers->samples.data() + tile * packed.tile_samples(), cut.size());
-    buffers->difficulty.push_back(smape_of_tile(cut.data(), valid, frame.spp, sample_pitch, reference));
   }
   packed.samples = buffers->samples.data();
   packed.valid = buffers->valid.data();

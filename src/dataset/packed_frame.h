@@ -74,7 +74,8 @@ struct PackedFrame {
 
 /// Packs the named features, radiance always, of a sanitised frame, in memory. The difficulty of a tile is
 /// the SMAPE ([MH20] eq. 9) of the samples' mean against the reference, over its pixels that have samples:
-/// how far the tile is from being denoised.
+/// how far the tile is from being denoised. Where there is no reference, it is that of the mean of every
+/// other sample against the mean of the rest, and the mean of all stands in the reference's place.
 PackedFrame pack(const FramePair& pair, const std::vector<std::string>& features);
 
 /// The named features and radiance, each once, in the order of the schema. Throws UsageError for an unknown

@@ -37,4 +37,11 @@ SampleList draw_samples(RandomStream& stream, int held, int count) {
   return samples;
 }
 
+SampleList other_samples(int held, const SampleList& samples) {
+  SampleList others;
+  for (int s = 0; s < held; ++s)
+    if (!std::binary_search(samples.begin(), samples.end(), s)) others.push_back(s);
+  return others;
+}
+
 }  // namespace ld

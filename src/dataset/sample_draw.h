@@ -25,4 +25,7 @@ double mean_sample_count(const SampleRange& range);
 /// there are no more than `count`.
 SampleList draw_samples(RandomStream& stream, int held, int count);
 
+/// The samples 0 ... held - 1 that are not in the ascending list.
+SampleList other_samples(int held, const SampleList& samples);
+
 }  // namespace ld

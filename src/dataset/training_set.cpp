@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "core/error.h"
 
@@ -32,6 +33,30 @@ EpochPlan make_plan(const std::vector<WeightedStore>& sets, const std::vector<st
   return EpochPlan(counts, crops, weights, seed);
 }
 
+void check_samples(const std::string& frame, int held, const TrainingSetOptions& options) {
+  if (options.sample_targets && held < 2)
+    fail_usage(
+        "data.targets: frame {} has 1 sample a pixel; samples as targets need 2 or more, some to denoise and "
+        "some to compare with",
+        frame);
+  const int usable = options.sample_targets ? held - 1 : held;
+  if (usable < options.samples.least)
+    fail_usage(
+        "data.samples: frame {} has {} samples a pixel{}, fewer than the {} that every batch uses; render "
+        "more, or let data.samples begin at {} or less",
+        frame, held, options.sample_targets ? ", one of which must be the target" : "", options.samples.least,
+        usable);
+}
+
+TrainingSetOptions settle_samples(TrainingSetOptions options, const std::vector<WeightedStore>& sets) {
+  if (!options.sample_targets || !options.samples.all()) return options;
+  int fewest = std::numeric_limits<int>::max();
+  for (const WeightedStore& set : sets)
+    for (size_t i = 0; i < set.store->size(); ++i) fewest = std::min(fewest, set.store->spp(i));
+  options.samples = {std::max(fewest / 2, 1), std::max(fewest - 1, 1)};
+  return options;
+}
+
 }  // namespace
 
 BatchPart batch_part(int64_t batch, int rank, int processes) {
@@ -43,7 +68,7 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
                          TrainingSetOptions options)
     : sets_(std::move(sets)),
       features_(std::move(features)),
-      options_(std::move(options)),
+      options_(settle_samples(std::move(options), sets_)),
       part_(batch_part(options_.batch, options_.rank, options_.processes)),
       clips_(clips_of_sets(sets_, options_.clip)),
       plan_(make_plan(sets_, clips_, options_.seed)),
@@ -73,11 +98,7 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
             std::min(set.store->width(i), set.store->height(i)));
   for (const WeightedStore& set : sets_)
     for (size_t i = 0; i < set.store->size(); ++i)
-      if (set.store->spp(i) < options_.samples.least)
-        fail_usage(
-            "data.samples: frame {} has {} samples a pixel, fewer than the {} that every batch uses; render "
-            "more, or let data.samples begin at {} or less",
-            set.store->name(i), set.store->spp(i), options_.samples.least, set.store->spp(i));
+      check_samples(set.store->name(i), set.store->spp(i), options_);
 }
 
 int64_t TrainingSet::batches_per_epoch() const {
@@ -182,9 +203,17 @@ std::vector<FrameCrop> TrainingSet::draw_clip(const ClipRef& ref, const Slot& sl
   std::vector<FrameCrop> crops;
   for (size_t t = 0; t < clip.size(); ++t) {
     RandomStream which = slot.stream(options_.seed, kWhich, static_cast<uint32_t>(t));
-    SampleList drawn = samples == 0 ? SampleList() : draw_samples(which, frames[t]->spp, samples);
-    auto checked = store.get_intact(clip[t], frames[t], augmentation.tiles(), drawn);
-    crops.push_back({std::move(checked), augmentation, std::move(drawn)});
+    const int held = frames[t]->spp;
+    SampleList drawn, targets;
+    if (options_.sample_targets) {
+      drawn = draw_samples(which, held, std::clamp(samples, 1, held - 1));
+      targets = other_samples(held, drawn);
+    } else if (samples > 0) {
+      drawn = draw_samples(which, held, samples);
+    }
+    auto checked =
+        store.get_intact(clip[t], frames[t], augmentation.tiles(), targets.empty() ? drawn : SampleList());
+    crops.push_back({std::move(checked), augmentation, std::move(drawn), std::move(targets)});
   }
   return crops;
 }

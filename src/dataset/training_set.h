@@ -21,6 +21,7 @@ namespace ld {
 struct TrainingSetOptions {
   AugmentationOptions augmentation;
   SampleRange samples;                // how many of a frame's samples a batch uses (dataset/sample_draw.h)
+  bool sample_targets = false;        // a frame's other samples are the target, in place of its reference
   std::vector<std::string> optional;  // features that crops may lack, each in a share `drop` of them
   double drop = 0;
   int clip = 1;  // frames of each crop that follow one another (dataset/clips.h)
@@ -45,9 +46,11 @@ struct WeightedStore {
 
 class TrainingSet {
  public:
-  /// Throws UsageError when a set has no clip, an epoch has fewer than a batch, a frame is smaller than the
-  /// crop or has fewer samples than `samples.least`, there are more processes than crops in a batch, or clips
-  /// are to run backwards whose `flow` tells the way to the frame before.
+  /// With `sample_targets`, `samples` of 0 and 0 stand for half of the fewest samples of a frame up to all
+  /// but one of them. Throws UsageError when a set has no clip, an epoch has fewer than a batch, a frame is
+  /// smaller than the crop or has fewer samples than `samples.least` and a target need, there are more
+  /// processes than crops in a batch, or clips are to run backwards whose `flow` tells the way to the frame
+  /// before.
   TrainingSet(std::vector<WeightedStore> sets, std::vector<std::string> features, TrainingSetOptions options);
 
   /// What does not fill a step at the end of an epoch is left out of it; where a step takes more crops than
@@ -57,6 +60,9 @@ class TrainingSet {
   /// This process's part of a batch, counted from 0: step s takes batches s * accumulate ... Throws what went
   /// wrong with it: Error for bad data.
   Batch batch(int64_t number) { return batches_.get(number); }
+
+  /// How many samples a batch uses; 0 and 0: all.
+  const SampleRange& samples() const { return options_.samples; }
 
   /// That batch as it would be with `samples` samples, made on the calling thread: for estimates.
   Batch batch_with(int64_t number, int samples) const;

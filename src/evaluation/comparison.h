@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "evaluation/scores.h"
-#include "evaluation/statistics.h"
+#include "metrics/statistics.h"
 
 namespace ld {
 

@@ -20,7 +20,7 @@ constexpr CurveText kCurves[] = {
     {"sequence_change", "Error of the change from frame to frame", "frame of the sequence",
      "root mean square of e, not warped"},
     {"sequence_ghosting", "After pixels came into view or their light changed", "frames since then",
-     "sum |T(d) - T(r)| / sum T(r)"},
+     "share of the change that is missing"},
 };
 
 /// The scores of a sequence as one: means over the frames, then the measures.
@@ -108,7 +108,7 @@ void SequenceScorer::end_sequence() {
       temporal.push_back(frame.warped);
       change.push_back(frame.unwarped);
     }
-    const auto ages = meters_[m].error_by_age();
+    const auto ages = meters_[m].left_by_age();
     count(curves_["sequence_error"][m], error);
     count(curves_["sequence_temporal"][m], temporal);
     count(curves_["sequence_change"][m], change);

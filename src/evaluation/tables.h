@@ -13,7 +13,7 @@ namespace ld {
 /// where it is known; below it each metric's formula, what it is computed on, and the widths of the blur.
 std::string markdown_means(const Evaluation& evaluation);
 
-/// The confidence intervals of these means (evaluation/statistics.h): the same rows, "low .. high".
+/// The confidence intervals of these means (metrics/statistics.h): the same rows, "low .. high".
 std::string markdown_intervals(const Evaluation& evaluation);
 
 /// Every method against the evaluation's baseline (evaluation/comparison.h): a row for each metric and

@@ -46,7 +46,28 @@ Value OnnxWalk::side(const graph::Value& of, int64_t axis) {
   return scale == 1 ? pixels : parts(scale);
 }
 
+namespace {
+
+[[noreturn]] void refuse_state() {
+  fail_usage(
+      "ONNX: the network keeps a state from frame to frame, which ONNX files do not have yet; export it as "
+      "safetensors");
+}
+
+}  // namespace
+
+void to_onnx(const graph::Recall&, OnnxWalk&) {
+  refuse_state();
+}
+void to_onnx(const graph::Compare&, OnnxWalk&) {
+  refuse_state();
+}
+void to_onnx(const graph::Remember&, OnnxWalk&) {
+  refuse_state();
+}
+
 onnx::ModelProto onnx_model(const graph::Graph& network, const std::vector<TensorView>& weights) {
+  if (!network.state.empty()) refuse_state();
   OnnxGraph g(weights);
   OnnxWalk walk(g, network);
   for (const graph::Node& node : network.nodes) {

@@ -104,5 +104,9 @@ void to_onnx(const graph::Composite& op, OnnxWalk& at);
 void to_onnx(const graph::ModulationFactors& op, OnnxWalk& at);
 void to_onnx(const graph::Modulate& op, OnnxWalk& at);
 void to_onnx(const graph::LayerIdentity& op, OnnxWalk& at);
+/// Of networks with a state, which onnx_model() refuses.
+void to_onnx(const graph::Recall& op, OnnxWalk& at);
+void to_onnx(const graph::Compare& op, OnnxWalk& at);
+void to_onnx(const graph::Remember& op, OnnxWalk& at);
 
 }  // namespace ld

@@ -14,9 +14,10 @@ void antialias(const Surfaces& surfaces, RowPlanes& now, AntialiasState& state, 
   const FlushedDenormals flushed(threads);
   const int width = now.width(), height = now.height();
   if (!surfaces.has_flow || !state.picture.is(width, height, 3)) state.frames = 0;
-  resize(state.picture, width, height, 3);
   resize(spare, width, height, 3);
-  if (state.frames > 0) {
+  if (state.frames == 0) {
+    std::swap(now, state.picture);
+  } else {
     parallel_for(threads, height, [&](int64_t y, int) {
       AntialiasRow row;
       row.width = width;
@@ -36,12 +37,9 @@ void antialias(const Surfaces& surfaces, RowPlanes& now, AntialiasState& state, 
       row.deviations = float(deviations);
       antialias_row(row);
     });
-    std::swap(now, spare);
+    std::swap(spare, state.picture);
   }
   ++state.frames;
-  parallel_for(threads, height, [&](int64_t y, int) {
-    for (int p = 0; p < 3; ++p) std::copy_n(now.row(y, p), width, state.picture.row(y, p));
-  });
 }
 
 }  // namespace ld

@@ -13,9 +13,9 @@ struct AntialiasState {
   int64_t frames = 0;
 };
 
-/// `now`, three planes, goes in and comes back as its mean with the history (kernels/antialias_row.h). The
-/// new frame's share is `alpha`, more for the first ones. `spare` is memory of the same size. Without flow
-/// nothing changes.
+/// state.picture becomes the mean of `now`, three planes, with the history (kernels/antialias_row.h). The new
+/// frame's share is `alpha`, more for the first ones. What `now` and `spare` hold afterwards is anything.
+/// Without flow the picture is `now`.
 void antialias(const Surfaces& surfaces, RowPlanes& now, AntialiasState& state, RowPlanes& spare,
                double alpha, double deviations, int threads);
 

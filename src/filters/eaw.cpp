@@ -16,8 +16,8 @@ void eaw_level(const Surfaces& surfaces, const RowPlanes& in, RowPlanes& out, in
   precision.light = float(fourths / settings.sigma_light);
   precision.normal = float(1 / (settings.sigma_normal * fourths));
   precision.place = float(1 / settings.sigma_place / (double(surfaces.unit) * double(surfaces.unit)));
-  parallel_for(threads, in.height(), [&](int64_t y, int) {
-    eaw_level_row(level_row(surfaces, in, out, y, level, taps), precision, in.planes() / 3,
+  for_each_piece(threads, in.width(), in.height(), level, [&](const LevelPiece& piece) {
+    eaw_level_row(level_row(surfaces, in, out, piece, level, taps), precision, in.planes() / 3,
                   settings.range == "luminance", settings.place == "depth" || !surfaces.has_position);
   });
 }

@@ -82,10 +82,10 @@ Image FrameFilter::denoise(const Frame& frame, SequenceState& state, int threads
   auto& kept = std::any_cast<TemporalState&>(state.memory);
   const RowPlanes& filtered = svgf(surfaces_, light_.signals, kept.light, memory_, svgf_, threads);
   recombine(filtered, 4, light_, compresses, picture_, threads);
-  if (svgf_.antialias < 1)
-    antialias(kept.light.surfaces, picture_, kept.picture, spare_, svgf_.antialias,
-              svgf_.antialias_deviations, threads);
-  return image_of(picture_, threads);
+  if (svgf_.antialias == 1) return image_of(picture_, threads);
+  antialias(kept.light.surfaces, picture_, kept.picture, spare_, svgf_.antialias, svgf_.antialias_deviations,
+            threads);
+  return image_of(kept.picture.picture, threads);
 }
 
 }  // namespace ld

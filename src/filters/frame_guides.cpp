@@ -12,8 +12,6 @@
 namespace ld {
 namespace {
 
-using Vector3 = std::array<float, 3>;
-
 /// Where the ray through a pixel's middle crosses the plane at depth 1 of view space: x = left + right_step
 /// (column), y = top + down_step (row).
 struct RayGrid {
@@ -76,28 +74,31 @@ class GuideReader {
   bool has_flow() const { return has_flow_; }
 
   void read_surfaces(int64_t y, Surfaces& surfaces) const {
-    for (int x = 0; x < frame_.width; ++x) {
-      const size_t pixel = size_t(y) * size_t(frame_.width) + size_t(x);
-      const int s = representative_sample(frame_, pixel);
-      const auto value = [&](int channel) { return frame_.plane(s, channel)[pixel]; };
-      const float depth = s < 0 ? kEscapedDepth : has_depth_ ? value(kDepthOffset) : 1.0F;
-      const bool is_surface = depth < kEscapedDepth;
-      const Vector3 normal =
-          is_surface && has_normal_
-              ? world_normal(value(kNormalOffset), value(kNormalOffset + 1), value(kNormalOffset + 2))
-              : Vector3{0, 0, 1};
-      surfaces.of.row(y, kId)[x] = !is_surface ? std::numeric_limits<float>::quiet_NaN()
-                                   : has_id_   ? value(kIdOffset)
-                                               : 0.0F;
-      for (int c = 0; c < 3; ++c) surfaces.of.row(y, kNormalX + c)[x] = normal[size_t(c)];
-      surfaces.of.row(y, kDepth)[x] = depth;
-      surfaces.of.row(y, kPositionX)[x] = rays_ ? (rays_->left + float(x) * rays_->right_step) * depth : 0.0F;
-      surfaces.of.row(y, kPositionY)[x] = rays_ ? (rays_->top + float(y) * rays_->down_step) * depth : 0.0F;
-      surfaces.of.row(y, kPositionZ)[x] = depth;
-      surfaces.flow.row(y, 0)[x] = s >= 0 && has_flow_ ? value(kFlowOffset) : 0.0F;
-      surfaces.flow.row(y, 1)[x] = s >= 0 && has_flow_ ? value(kFlowOffset + 1) : 0.0F;
-      surfaces.flow.row(y, 2)[x] = s >= 0 && has_flow_depth_ ? value(kFlowDepthOffset) : 0.0F;
+    const int width = frame_.width;
+    const size_t first = size_t(y) * size_t(width);
+    std::vector<int> chosen(static_cast<size_t>(width));  // the sample of each pixel; -1: none
+    for (int x = 0; x < width; ++x) chosen[size_t(x)] = representative_sample(frame_, first + size_t(x));
+    float* const depth = surfaces.of.row(y, kDepth);
+    pick_row(has_depth_, first, kDepthOffset, chosen, 1, depth);
+    for (int x = 0; x < width; ++x) depth[x] = chosen[size_t(x)] < 0 ? kEscapedDepth : depth[x];
+
+    float* const id = surfaces.of.row(y, kId);
+    pick_row(has_id_, first, kIdOffset, chosen, 0, id);
+    for (int x = 0; x < width; ++x)
+      id[x] = depth[x] < kEscapedDepth ? id[x] : std::numeric_limits<float>::quiet_NaN();
+    read_normals(first, chosen, depth, surfaces.of, y);
+
+    float *const place_x = surfaces.of.row(y, kPositionX), *const place_y = surfaces.of.row(y, kPositionY);
+    const RayGrid rays = rays_.value_or(RayGrid());
+    const float slope_y = rays.top + float(y) * rays.down_step;
+    for (int x = 0; x < width; ++x) {
+      place_x[x] = (rays.left + float(x) * rays.right_step) * depth[x];
+      place_y[x] = slope_y * depth[x];
     }
+    std::copy_n(depth, width, surfaces.of.row(y, kPositionZ));
+    for (int c = 0; c < 3; ++c)
+      pick_row(c < 2 ? has_flow_ : has_flow_depth_, first, c < 2 ? kFlowOffset + c : kFlowDepthOffset, chosen,
+               0, surfaces.flow.row(y, c));
   }
 
   void read_light(int64_t y, Illumination& light) const {
@@ -133,15 +134,42 @@ class GuideReader {
   }
 
  private:
-  Vector3 world_normal(float x, float y, float z) const {
-    Vector3 n = {x, y, z};
-    if (turn_)
-      for (size_t r = 0; r < 3; ++r)
-        n[r] = (*turn_)[3 * r] * x + (*turn_)[3 * r + 1] * y + (*turn_)[3 * r + 2] * z;
-    const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (!(length > 1e-6F)) return {0, 0, 1};  // volumes have none
-    for (float& c : n) c /= length;
-    return n;
+  /// A channel of the chosen samples; `without` where there is none and where the frame has no such channel.
+  void pick_row(bool there, size_t first, int channel, const std::vector<int>& chosen, float without,
+                float* out) const {
+    const size_t width = chosen.size();
+    const float* const plane = there ? frame_.plane(0, channel) + first : nullptr;
+    if (!there)
+      std::fill_n(out, width, without);
+    else if (frame_.spp == 1)
+      for (size_t x = 0; x < width; ++x) out[x] = chosen[x] < 0 ? without : plane[x];
+    else
+      for (size_t x = 0; x < width; ++x)
+        out[x] = chosen[x] < 0 ? without : frame_.plane(chosen[x], channel)[first + x];
+  }
+
+  /// Unit normals in world space; those of volumes, which have none, and of pixels without a surface point to
+  /// the viewer.
+  void read_normals(size_t first, const std::vector<int>& chosen, const float* depth, RowPlanes& out,
+                    int64_t y) const {
+    const int width = frame_.width;
+    float *const nx = out.row(y, kNormalX), *const ny = out.row(y, kNormalY),
+                 *const nz = out.row(y, kNormalZ);
+    for (int c = 0; c < 3; ++c)
+      pick_row(has_normal_, first, kNormalOffset + c, chosen, c == 2 ? 1.0F : 0.0F, out.row(y, kNormalX + c));
+    if (!has_normal_) return;
+    constexpr std::array<float, 9> kNoTurn = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const std::array<float, 9> t = turn_.value_or(kNoTurn);
+    for (int x = 0; x < width; ++x) {
+      const float a = nx[x], b = ny[x], c = nz[x];
+      const float u = t[0] * a + t[1] * b + t[2] * c, v = t[3] * a + t[4] * b + t[5] * c,
+                  w = t[6] * a + t[7] * b + t[8] * c;
+      const float length = std::sqrt(u * u + v * v + w * w);
+      const bool is_unit = length > 1e-6F && depth[x] < kEscapedDepth;
+      nx[x] = is_unit ? u / length : 0.0F;
+      ny[x] = is_unit ? v / length : 0.0F;
+      nz[x] = is_unit ? w / length : 1.0F;
+    }
   }
 
   /// Mean over the samples that were drawn: the others are 0.

@@ -54,7 +54,7 @@ struct EawSettings {
 /// Schied et al. 2017.
 struct SvgfSettings {
   IlluminationSettings light;
-  int64_t levels = 5;            // à-trous passes, each of twice the reach of the one before
+  int64_t levels = 5;            // à-trous passes, each of twice the reach; 0: accumulated light, unfiltered
   double alpha = 0.2;            // least share of the new frame in the colour
   double alpha_moments = 0.2;    // and in the moments
   int64_t longest_history = 32;  // frames
@@ -67,15 +67,15 @@ struct SvgfSettings {
   double history_depth =
       kReprojectionDepth;  // differences up to so many times the slope are the same surface
   double history_normal = kReprojectionNormal;  // least n . n'
-  std::string antilag = "clip";  // history within mean +- clip_deviations of the 5x5 pixels now; none
-  double clip_deviations = 1;    // of antilag
+  std::string antilag = "clip";   // history within mean +- clip_deviations of the 5x5 pixels now; none
+  double clip_deviations = 0.25;  // of antilag; 0.2 is the standard error of the mean of 25 pixels
   double antialias = 0.1;  // share of the new frame in the picture behind the filter; 1: no antialiasing
   double antialias_deviations = 1;  // the history within mean +- so many deviations of the 3x3 pixels
 
   template <class Visitor>
   void visit(Visitor& v) {
     light.visit(v);
-    v.field("levels", levels, {1, 5});
+    v.field("levels", levels, {0, 5});
     v.field("alpha", alpha, {0, 1});
     v.field("alpha_moments", alpha_moments, {0, 1});
     v.field("longest_history", longest_history, {1, 65536});

@@ -29,6 +29,9 @@ float smaller_slope(bool has_before, float before, bool has_after, float after) 
 }  // namespace
 
 void check_settings(const SvgfSettings& settings) {
+  if (settings.levels == 0 && settings.feedback >= 0)
+    fail_usage("levels=0 leaves no level whose output could be fed back, but feedback is {}; expected -1",
+               settings.feedback);
   if (settings.feedback >= settings.levels)
     fail_usage("feedback is {}, but the last of {} levels is {}; expected -1 to {}", settings.feedback,
                settings.levels, settings.levels - 1, settings.levels - 1);
@@ -52,24 +55,32 @@ void depth_slopes(const Surfaces& surfaces, RowPlanes& slopes, int threads) {
 }
 
 void estimate_variance(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlanes& moments,
-                       const RowPlanes& in, RowPlanes& out, const SvgfSettings& settings, int threads) {
-  resize(out, in.width(), in.height(), in.planes());
+                       RowPlanes& light, RowPlanes& spare, const SvgfSettings& settings, int threads) {
+  const int width = light.width(), height = light.height(), planes = light.planes();
+  resize(spare, width, height, planes);
   const SurfaceWeights weights = surface_weights(settings);
-  parallel_for(threads, in.height(), [&](int64_t y, int) {
+  parallel_for(threads, height, [&](int64_t y, int) {
     SvgfVarianceRow row;
-    row.width = in.width();
-    row.pitch = in.pitch();
+    row.width = width;
+    row.pitch = light.pitch();
     row.surface = weights;
     for (int64_t j = 0; j <= 2 * kVarianceRadius; ++j) {
       const int64_t at = y + j - kVarianceRadius;
-      if (at < 0 || at >= in.height()) continue;
+      if (at < 0 || at >= height) continue;
       row.surfaces[size_t(j)] = surfaces.of.row(at);
-      row.light[size_t(j)] = in.row(at);
+      row.light[size_t(j)] = light.row(at);
       row.moments[size_t(j)] = moments.row(at);
     }
     row.slopes = slopes.row(y);
-    row.out = out.row(y);
-    svgf_variance_row(row, in.planes() / 4);
+    row.out = spare.row(y);
+    svgf_variance_row(row, planes / 4);
+  });
+  // When no neighbourhood needs them any more.
+  parallel_for(threads, height, [&](int64_t y, int) {
+    const float *const length = moments.row(y, moments.planes() - 1), *const id = surfaces.of.row(y, kId);
+    for (int x = 0; x < width; ++x)
+      if (length[x] < kShortHistory && id[x] == id[x])
+        for (int p = 0; p < planes; ++p) light.row(y, p)[x] = spare.row(y, p)[x];
   });
 }
 
@@ -78,9 +89,10 @@ void svgf_level(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlan
   resize(out, in.width(), in.height(), in.planes());
   const std::array<float, 3> taps = a_trous_taps("b3");
   const SurfaceWeights weights = surface_weights(settings);
-  parallel_for(threads, in.height(), [&](int64_t y, int) {
+  for_each_piece(threads, in.width(), in.height(), level, [&](const LevelPiece& piece) {
+    const int64_t y = piece.y;
     SvgfLevelRow row;
-    row.level = level_row(surfaces, in, out, y, level, taps);
+    row.level = level_row(surfaces, in, out, piece, level, taps);
     row.slopes = slopes.row(y);
     for (int64_t j = 0; j < 3; ++j)
       if (y + j >= 1 && y + j <= in.height()) row.above_below[size_t(j)] = in.row(y + j - 1);
@@ -99,13 +111,14 @@ const RowPlanes& svgf(Surfaces& surfaces, const RowPlanes& signals, SvgfState& s
 
   depth_slopes(surfaces, memory.slopes, threads);
   accumulate(surfaces, memory.slopes, signals, state, settings, memory.light[0], memory.moments, threads);
-  estimate_variance(surfaces, memory.slopes, memory.moments, memory.light[0], memory.light[1], settings,
-                    threads);
+  if (settings.levels > 0)
+    estimate_variance(surfaces, memory.slopes, memory.moments, memory.light[0], memory.light[1], settings,
+                      threads);
   std::swap(state.surfaces, surfaces);
   std::swap(state.moments, memory.moments);
 
   resize(state.light, width, height, planes);
-  RowPlanes* in = &memory.light[1];
+  RowPlanes* in = &memory.light[0];
   if (settings.feedback < 0) {
     std::swap(state.light, *in);
     in = &state.light;

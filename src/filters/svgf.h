@@ -36,23 +36,23 @@ void depth_slopes(const Surfaces& surfaces, RowPlanes& slopes, int threads);
 /// where their weights sum to less than 0.01, the plain mean of such pixels among the 3x3 around p'. Then
 ///   L = min(L' + 1, longest_history) (L' rounded down, of the 3x3 the smallest), or 1 without a history,
 ///   c = lerp(c', S, max(alpha, 1 / L)),  m = lerp(m', (Y, Y^2), max(alpha_moments, 1 / L)).
-/// The variance is left to estimate_variance().
+/// The variance in `light` is that of the moments.
 void accumulate(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlanes& signals,
                 const SvgfState& previous, const SvgfSettings& settings, RowPlanes& light, RowPlanes& moments,
                 int threads);
 
-/// The temporal variance, and where the history is short colour and variance of the neighbourhood
-/// (kernels/svgf_level.h).
+/// Where the history is short, colour and variance become those of the neighbourhood
+/// (kernels/svgf_level.h). `spare` is memory of the same size.
 void estimate_variance(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlanes& moments,
-                       const RowPlanes& in, RowPlanes& out, const SvgfSettings& settings, int threads);
+                       RowPlanes& light, RowPlanes& spare, const SvgfSettings& settings, int threads);
 
 /// One à-trous level, guided by the variance, which it filters, too (kernels/svgf_level.h).
 void svgf_level(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlanes& in, RowPlanes& out,
                 int64_t level, const SvgfSettings& settings, int threads);
 
-/// All of it for one frame. `surfaces` goes into the state and what comes back is to be filled anew. The
-/// result, four planes a signal, lies in `state` or `memory` until the next call. A state of another
-/// size counts as empty.
+/// All of it for one frame; with levels = 0, the accumulated light. `surfaces` goes into the state and what
+/// comes back is to be filled anew. The result, four planes a signal, lies in `state` or `memory` until the
+/// next call. A state of another size counts as empty.
 const RowPlanes& svgf(Surfaces& surfaces, const RowPlanes& signals, SvgfState& state, SvgfMemory& memory,
                       const SvgfSettings& settings, int threads);
 

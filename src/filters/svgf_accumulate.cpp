@@ -12,51 +12,33 @@
 namespace ld {
 namespace {
 
-/// Least and most history of the pixels of a row: mean +- deviations of the surfaces' pixels among the 5x5
-/// around each, a pair of planes for each plane of the signals. The pixel's own value is always within, so
-/// that steady light of a small surface before a brighter one stays.
-class HistoryBounds {
- public:
-  void fill(const Surfaces& surfaces, const RowPlanes& signals, int64_t y, float deviations) {
-    const int64_t pitch = signals.pitch();
-    const int width = surfaces.width(), planes = signals.planes();
-    // Sums of five rows, then of five columns. The margins stay 0.
-    columns_.assign(size_t(3 * pitch), 0.0F);
-    bounds_.resize(size_t(2 * planes * pitch));
-    float *const counts = columns_.data() + RowPlanes::kMargin, *const sums = counts + pitch,
-                 *const squares = sums + pitch;
-    const int64_t first = std::max<int64_t>(y - 2, 0), last = std::min<int64_t>(y + 2, surfaces.height() - 1);
-    for (int64_t v = first; v <= last; ++v) {
-      const float* const id = surfaces.of.row(v, kId);
-      for (int x = 0; x < width; ++x) counts[x] += id[x] == id[x] ? 1.0F : 0.0F;
-    }
-    for (int p = 0; p < planes; ++p) {
-      std::fill_n(sums, width, 0.0F);
-      std::fill_n(squares, width, 0.0F);
-      for (int64_t v = first; v <= last; ++v) {
-        const float *const id = surfaces.of.row(v, kId), *const signal = signals.row(v, p);
-        for (int x = 0; x < width; ++x) {
-          const float bounded = std::min(std::max(signal[x], -kLargestMoment), kLargestMoment);
-          const float s = id[x] == id[x] ? bounded : 0.0F;
-          sums[x] += s;
-          squares[x] += s * s;
-        }
-      }
-      float *const least = bounds_.data() + 2 * p * pitch, *const most = least + pitch;
-      const float* const own = signals.row(y, p);
-      for (int x = 0; x < width; ++x) {
-        const auto five = [x](const float* a) { return a[x - 2] + a[x - 1] + a[x] + a[x + 1] + a[x + 2]; };
-        const float share = 1 / std::max(five(counts), 1.0F), mean = five(sums) * share;
-        const float reach = deviations * std::sqrt(std::max(five(squares) * share - mean * mean, 0.0F));
-        least[x] = std::min(mean - reach, own[x]);
-        most[x] = std::max(mean + reach, own[x]);
-      }
-    }
-  }
-  const float* data() const { return bounds_.data(); }
+/// What one thread needs for a row: bounds of the history, and which pixels have no bilinear tap.
+struct RowMemory {
+  std::vector<float> columns, bounds, missing;
 
- private:
-  std::vector<float> columns_, bounds_;
+  void resize(int64_t pitch, int planes) {
+    columns.resize(size_t(3 * pitch));
+    bounds.resize(size_t(2 * planes * pitch));
+    missing.resize(size_t(pitch));
+  }
+
+  const float* fill_bounds(const Surfaces& surfaces, const RowPlanes& signals, int64_t y, float deviations) {
+    HistoryBoundsRow row;
+    row.width = surfaces.width();
+    row.pitch = signals.pitch();
+    row.planes = signals.planes();
+    for (int64_t j = 0; j < 5; ++j) {
+      const int64_t v = y + j - 2;
+      if (v < 0 || v >= surfaces.height()) continue;
+      row.ids[size_t(j)] = surfaces.of.row(v, kId);
+      row.signals[size_t(j)] = signals.row(v);
+    }
+    row.deviations = deviations;
+    row.columns = columns.data() + RowPlanes::kMargin;
+    row.bounds = bounds.data();
+    svgf_history_bounds_row(row);
+    return bounds.data();
+  }
 };
 
 /// The pixels among the 3x3 around p' that show the surface of pixel (x, y).
@@ -128,6 +110,7 @@ void accumulate_pixel(const Neighbours& neighbours, const SvgfState& previous, c
     });
     moments[0] = m1 + share_moments * step;
     moments[row.pitch] = (1 - share_moments) * (variance + share_moments * (step * step));
+    row.light[(4 * s + 3) * row.pitch + x] = moments[row.pitch];
   }
 }
 
@@ -146,17 +129,20 @@ void accumulate(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlan
   resize(light, width, height, 4 * count);
   resize(moments, width, height, 2 * count + 1);
   const bool remembers = surfaces.has_flow && !previous.empty();
-  parallel_for(threads, height, [&](int64_t y, int) {
+  const int64_t pitch = signals.pitch();
+  std::vector<RowMemory> memories(size_t(std::max(threads, 1)));
+  const auto accumulate_row = [&](int64_t y, RowMemory& memory) {
     AccumulateRow row;
     row.width = width;
     row.height = height;
     row.y = y;
-    row.pitch = signals.pitch();
+    row.pitch = pitch;
     row.signals = signals.row(y);
     row.light = light.row(y);
     row.moments = moments.row(y);
     if (!remembers) return svgf_accumulate_row(row, count);
 
+    memory.resize(pitch, signals.planes());
     row.surfaces = surfaces.of.row(y);
     row.flow = surfaces.flow.row(y);
     row.slopes = slopes.row(y);
@@ -167,19 +153,20 @@ void accumulate(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlan
                 float(settings.history_depth) * (10 * kReprojectionDepthFloor) * surfaces.unit,
                 float(settings.history_normal)};
     row.blend = {float(settings.alpha), float(settings.alpha_moments), float(settings.longest_history)};
-    HistoryBounds bounds;
-    if (settings.antilag == "clip") {
-      bounds.fill(surfaces, signals, y, float(settings.clip_deviations));
-      row.bounds = bounds.data();
-    }
-    std::vector<float> missing(size_t(row.pitch));
-    row.missing = missing.data();
+    if (settings.antilag == "clip")
+      row.bounds = memory.fill_bounds(surfaces, signals, y, float(settings.clip_deviations));
+    row.missing = memory.missing.data();
     svgf_accumulate_row(row, count);
     for (int64_t x = 0; x < width; ++x) {
-      if (missing[size_t(x)] == 0) continue;
+      if (memory.missing[size_t(x)] == 0) continue;
       const Neighbours neighbours(surfaces, slopes, previous.surfaces, row.test, x, y);
       if (neighbours.count > 0) accumulate_pixel(neighbours, previous, row, x, count);
     }
+  };
+  constexpr int64_t kRows = 16;  // that follow one another share what they read
+  parallel_for(threads, (height + kRows - 1) / kRows, [&](int64_t part, int thread) {
+    for (int64_t y = part * kRows; y < std::min<int64_t>((part + 1) * kRows, height); ++y)
+      accumulate_row(y, memories[size_t(thread)]);
   });
 }
 

@@ -12,7 +12,8 @@ FramePair read_frame_pair(const std::filesystem::path& folder, const ManifestFra
   FramePair pair;
   pair.frame = read_frame(path, features, pair.faults, samples);
   pair.place = read_place(path);
-  pair.reference = read_reference(reference_path(folder, entry.name), pair.place, path.string());
+  if (entry.has_reference)
+    pair.reference = read_reference(reference_path(folder, entry.name), pair.place, path.string());
   // After the complaints above, which say more than that a checksum differs.
   verify_frame(folder, entry);
   return pair;

@@ -1,4 +1,4 @@
-// A frame of a data set together with its reference: what training and evaluation both read.
+// A frame of a data set together with its reference, if it has one: what training and evaluation both read.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ struct FramePair {
   Frame frame;
   Faults faults;  // of the frame
   PicturePlace place;
-  Reference reference;
+  Reference reference;  // an image of no pixels where the entry has none
 };
 
 /// Of the frame only the first `samples` samples; 0: all. Throws Error: a missing or damaged file, a missing

@@ -242,7 +242,7 @@ std::vector<ManifestFrame> frames_of_split(const fs::path& folder, const std::st
 
 void verify_frame(const fs::path& folder, const ManifestFrame& frame) {
   verify_file(frame_path(folder, frame.name), frame.checksum);
-  verify_file(reference_path(folder, frame.name), frame.reference_checksum);
+  if (frame.has_reference) verify_file(reference_path(folder, frame.name), frame.reference_checksum);
 }
 
 }  // namespace ld

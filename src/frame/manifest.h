@@ -16,6 +16,7 @@ struct ManifestFrame {
   std::string checksum, reference_checksum;  // core/checksum.h; empty: not checked (hand-written manifests)
   // of frames that follow one another: which sequence, where in it
   std::optional<int64_t> sequence = {}, position = {};
+  bool has_reference = true;  // false: there is none, or it is not to be read
 };
 
 struct Manifest {

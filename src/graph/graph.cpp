@@ -15,4 +15,11 @@ ValueId Graph::add(Operator op, std::vector<ValueId> inputs, Value output_value)
   return id;
 }
 
+std::vector<ValueId> Graph::outputs() const {
+  std::vector<ValueId> all = {output};
+  all.insert(all.end(), further.begin(), further.end());
+  all.insert(all.end(), state.begin(), state.end());
+  return all;
+}
+
 }  // namespace ld::graph

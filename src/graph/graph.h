@@ -50,6 +50,10 @@ struct Graph {
   std::vector<Node> nodes;       // each behind those that it reads
   ValueId output = 0;            // [1, 3 + parts, H, W], linear radiance
   std::vector<ValueId> further;  // outputs beside it, of full resolution
+  std::vector<ValueId> state;    // what the next frame's Recall reads: light, frames, surface; or nothing
+
+  /// All of them: the picture, further ones, the state.
+  std::vector<ValueId> outputs() const;
 
   ValueId add_value(Value value);
   /// A node with one output.

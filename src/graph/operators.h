@@ -153,13 +153,30 @@ struct ModulationFactors {
 /// filtered [1, 6], factors [1, 4] -> [1, 3] (models/demodulation.h).
 struct Modulate {};
 
+/// features [S, F], valid [S, 1] -> the light that the frame before has left, where its surfaces are now [1,
+/// C], how many frames it counts for [1, 1], 0 where there is none, and the surface of this frame's pixels
+/// [1, 4] (models/history.h). First channels of the features that are there, else -1.
+struct Recall {
+  int64_t flow = -1, depth = -1, normal = -1;
+};
+
+/// light [1, C], past [1, C], frames [1, 1] -> how far the first three channels differ [1, 3]
+/// (models/history.h), over the pixels within `radius`.
+struct Compare {
+  int64_t radius = 0;
+};
+
+/// logit [1, 1], light [1, C], past [1, C], frames [1, 1], drawn [1, 1] -> the light with its history [1, C],
+/// and how many frames it counts for [1, 1] (models/history.h).
+struct Remember {};
+
 /// -> [N, N]: item l is 1 in channel l, else 0; whose splat tells how much of a pixel comes from layer l.
 struct LayerIdentity {};
 
-using Operator =
-    std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped, FullyConnected,
-                 Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
-                 Reject, Splat, Gather, Blur, Mix, Composite, ModulationFactors, Modulate, LayerIdentity>;
+using Operator = std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped,
+                              FullyConnected, Pad, Convolution, MaxPool, Upsample, Halve, Received,
+                              BlendLevels, Demodulate, Partition, Reject, Splat, Gather, Blur, Mix, Composite,
+                              ModulationFactors, Modulate, Recall, Compare, Remember, LayerIdentity>;
 
 /// Whether each pixel is made from the same pixel of the inputs alone.
 bool is_pixelwise(const Operator& op);

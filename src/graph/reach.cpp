@@ -29,6 +29,7 @@ struct ReadTo {
   int64_t operator()(const Gather& op) const { return end + op.kernel / 2; }
   int64_t operator()(const Blur& op) const { return end + op.kernel / 2; }
   int64_t operator()(const ModulationFactors&) const { return end + 1; }
+  int64_t operator()(const Compare& op) const { return end + op.radius; }
 };
 
 /// The first input row that output rows from `begin` on still read.
@@ -55,6 +56,7 @@ struct ReadFrom {
   int64_t operator()(const Gather& op) const { return begin - op.kernel / 2; }
   int64_t operator()(const Blur& op) const { return begin - op.kernel / 2; }
   int64_t operator()(const ModulationFactors&) const { return begin - 1; }
+  int64_t operator()(const Compare& op) const { return begin - op.radius; }
 };
 
 /// What reads neighbours, or has its own way with borders.
@@ -73,6 +75,8 @@ struct ReadsAround {
   bool operator()(const Gather&) const { return true; }
   bool operator()(const Blur&) const { return true; }
   bool operator()(const ModulationFactors&) const { return true; }
+  bool operator()(const Recall&) const { return true; }  // of the frame before
+  bool operator()(const Compare&) const { return true; }
 };
 
 }  // namespace

@@ -70,6 +70,11 @@ std::vector<std::string> names_of(const std::vector<SourcePart>& parts) {
   return names;
 }
 
+/// Parts that make features of a frame: what they leave of the radiance is its indirect light.
+bool makes_feature(const SourcePart& part) {
+  return part.name == "direct" || part.name == "emission";
+}
+
 std::string taken_text(const SourcePart& part) {
   std::string text = part.name + ": ";
   size_t channel = 0;
@@ -122,6 +127,9 @@ class FrameBuilder {
     if (const std::vector<std::string> parts = names_of(chosen_parts(exr)); parts != parts_)
       fail("{}: holds the light parts {}, but {} {}; expected the same in all samples", exr.path(),
            fmt::join(parts, ", "), first_file_, fmt::join(parts_, ", "));
+    if (split_parts(exr).empty() == splits_)
+      fail("{}: holds direct and emitted light, but {} does not; expected the same in all samples",
+           splits_ ? first_file_ : exr.path(), splits_ ? exr.path() : first_file_);
     for (const SourceSample& sample : samples) {
       for (const SourceChannel& channel : sample.features[0].channels)
         if (is_denoised(exr, FileViews(exr, mapping_.view), channel.part))
@@ -144,7 +152,7 @@ class FrameBuilder {
     const std::vector<SourceSample> samples = plan_for(exr);
     if (result_.frame.spp == 0) allocate(exr, samples[0]);
     std::vector<std::vector<SourcePart>> parts(samples.size());
-    if (!also_.empty()) parts = plan_light_parts(exr, mapping_);
+    if (splits_ || !also_.empty()) parts = plan_light_parts(exr, mapping_);
     for (size_t i = 0; i < samples.size(); ++i) {
       if (next_ >= spp_ || feature_list(samples[i]) != features_ ||
           (samples[i].alpha.mapping != nullptr) != has_alpha_ || parts.size() != samples.size())
@@ -152,6 +160,7 @@ class FrameBuilder {
       read_parts(exr, parts[i]);
       read_sample(exr, samples[i],
                   samples.size() == 1 ? path.string() : fmt::format("{}, sample {}", path.string(), i));
+      if (splits_) split_light(exr, parts[i]);
     }
   }
 
@@ -188,6 +197,7 @@ class FrameBuilder {
   std::vector<SourcePart> chosen_parts(const ExrReader& exr) const {
     if (also_.empty()) return {};
     std::vector<SourcePart> parts = plan_light_parts(exr, mapping_)[0];
+    parts.erase(std::remove_if(parts.begin(), parts.end(), makes_feature), parts.end());
     const std::vector<std::string> chosen = choose_names(names_of(parts), also_, exr.path());
     parts.erase(std::remove_if(parts.begin(), parts.end(),
                                [&](const SourcePart& part) {
@@ -197,17 +207,52 @@ class FrameBuilder {
     return parts;
   }
 
+  /// Those of a file's first sample that make features; both or none.
+  std::vector<SourcePart> split_parts(const ExrReader& exr) const {
+    std::vector<SourcePart> parts = plan_light_parts(exr, mapping_)[0];
+    parts.erase(std::remove_if(parts.begin(), parts.end(),
+                               [](const SourcePart& part) { return !makes_feature(part); }),
+                parts.end());
+    if (parts.size() != 2) parts.clear();
+    return parts;
+  }
+
+  /// [R, G, B]
+  Planes read_part(const ExrReader& exr, const SourcePart& part) {
+    FeatureMapping as_it_is;
+    as_it_is.feature = "radiance";
+    as_it_is.scale.assign(part.channels.size(), 1);
+    as_it_is.offset.assign(part.channels.size(), 0);
+    return sum_of_products(part, read_feature(exr, {&as_it_is, part.channels}, extent_, *converter_));
+  }
+
+  /// Direct and emitted light of the sample that was read last, and as its indirect light what is left.
+  void split_light(const ExrReader& exr, const std::vector<SourcePart>& parts) {
+    Frame& frame = result_.frame;
+    const int sample = next_ - 1;
+    const size_t pixels = frame.plane_size();
+    for (int c = 0; c < 3; ++c)
+      std::copy_n(frame.plane(sample, kRadianceOffset + c), pixels, frame.plane(sample, kIndirectOffset + c));
+    for (const SourcePart& part : parts) {
+      if (!makes_feature(part)) continue;
+      const Planes planes = read_part(exr, part);
+      for (int c = 0; c < 3; ++c) {
+        float* const own = frame.plane(sample, find_feature(part.name).offset + c);
+        float* const left = frame.plane(sample, kIndirectOffset + c);
+        for (size_t p = 0; p < pixels; ++p) {
+          own[p] = std::max(planes[size_t(c)][p], 0.0F);
+          left[p] = std::max(left[p] - own[p], 0.0F);  // rounding may leave less than nothing
+        }
+      }
+    }
+  }
+
   void read_parts(const ExrReader& exr, const std::vector<SourcePart>& parts) {
     Frame& frame = result_.frame;
     for (const SourcePart& part : parts) {
       const auto name = std::find(parts_.begin(), parts_.end(), part.name);
       if (name == parts_.end()) continue;
-      FeatureMapping as_it_is;
-      as_it_is.feature = "radiance";
-      as_it_is.scale.assign(part.channels.size(), 1);
-      as_it_is.offset.assign(part.channels.size(), 0);
-      const Planes planes =
-          sum_of_products(part, read_feature(exr, {&as_it_is, part.channels}, extent_, *converter_));
+      const Planes planes = read_part(exr, part);
       for (int c = 0; c < 3; ++c)
         std::copy(planes[static_cast<size_t>(c)].begin(), planes[static_cast<size_t>(c)].end(),
                   frame.part_plane(static_cast<size_t>(name - parts_.begin()), next_, c));
@@ -230,9 +275,13 @@ class FrameBuilder {
           fmt::format("view: {}, of {}; --view NAME takes another", views.chosen(), views.list());
     for (const SourceFeature& feature : sample.features) result_.taken.push_back(taken_text(feature));
     if (sample.alpha.mapping != nullptr) result_.taken.push_back(taken_text(sample.alpha));
-    const std::vector<SourcePart> parts = chosen_parts(exr);
+    std::vector<SourcePart> parts = chosen_parts(exr);
     parts_ = names_of(parts);
+    const std::vector<SourcePart> split = split_parts(exr);
+    splits_ = !split.empty();
+    parts.insert(parts.end(), split.begin(), split.end());
     for (const SourcePart& part : parts) result_.taken.push_back(taken_text(part));
+    if (splits_) result_.taken.emplace_back("indirect: radiance - direct - emission");
     result_.unused = unused_channels(exr, views, plan_samples(exr, mapping_, Wanted::all), parts);
     result_.frame.info.generator = generator_of(exr, mapping_);
     if (camera_) result_.frame.info.camera = describe(*camera_);
@@ -254,9 +303,11 @@ class FrameBuilder {
       shared_[i] = read_feature(exr, feature, extent_, *converter_);
       result_.repeated.push_back(feature.mapping->feature);
     }
-    result_.frame = Frame(extent_.width, extent_.height, spp_, frame_channels(features_));
+    std::vector<std::string> features = features_;
+    if (splits_) features.insert(features.end(), {"direct", "indirect", "emission"});
+    result_.frame = Frame(extent_.width, extent_.height, spp_, frame_channels(features));
     result_.frame.info = info;
-    result_.frame.features = features_;
+    result_.frame.features = features;
     if (has_alpha_) result_.frame.alpha.resize(result_.frame.valid.size());
     for (const std::string& name : parts_) result_.frame.add_part(name);
   }
@@ -335,8 +386,8 @@ class FrameBuilder {
   Extent extent_;  // when it is known
   std::vector<std::string> features_;
   std::vector<const FeatureMapping*> first_mapping_;
-  std::vector<Planes> shared_;  // converted, of the features that all samples share; else empty
-  bool has_alpha_ = false;
+  std::vector<Planes> shared_;               // converted, of the features that all samples share; else empty
+  bool has_alpha_ = false, splits_ = false;  // direct, indirect and emitted light apart
   int spp_ = 0, next_ = 0;
   std::optional<Converter> converter_;
   std::map<uint64_t, std::string> seen_;

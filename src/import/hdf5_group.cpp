@@ -27,7 +27,8 @@ void for_each_plane(Frame& frame, const Hdf5Group& group, const Visit& visit) {
 
 namespace {
 
-constexpr const char *kStoredWorldToCamera = "world_to_camera", *kStoredWorldToNdc = "world_to_ndc", *kCut = "cut";
+constexpr const char *kStoredWorldToCamera = "world_to_camera", *kStoredWorldToNdc = "world_to_ndc",
+                     *kCut = "cut";
 
 std::unique_ptr<Hdf5Data> open_numbers(const Hdf5File& file, const char* name,
                                        const std::vector<uint64_t>& dimensions) {
@@ -73,8 +74,8 @@ Hdf5Cameras Hdf5Cameras::make(const Hdf5File& file, const FrameHeader& first, ui
 }
 
 Hdf5Cameras Hdf5Cameras::open(const Hdf5File& file, uint64_t frames) {
-  return {open_numbers(file, kStoredWorldToCamera, {frames, 16}), open_numbers(file, kStoredWorldToNdc, {frames, 16}),
-          open_numbers(file, kCut, {frames})};
+  return {open_numbers(file, kStoredWorldToCamera, {frames, 16}),
+          open_numbers(file, kStoredWorldToNdc, {frames, 16}), open_numbers(file, kCut, {frames})};
 }
 
 void Hdf5Cameras::write(uint64_t i, const FrameInfo& info, const std::string& name) const {

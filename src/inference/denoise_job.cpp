@@ -16,6 +16,7 @@
 #include "core/threads.h"
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
+#include "inference/blend.h"
 #include "inference/denoiser.h"
 #include "models/network_config.h"
 #include "weights/weight_file.h"
@@ -79,13 +80,15 @@ class Run {
     if (job_.filter_alpha && frame.alpha.empty())
       fail("{}: no alpha to filter: the samples have none; leave --alpha filter out",
            task.inputs[0].string());
-    state_.advance(task.place, frame.width, frame.height);
+    for (SequenceState* state : {&state_, &first_half_, &second_half_})
+      state->advance(task.place, frame.width, frame.height);
     const auto start = std::chrono::steady_clock::now();
     DenoisedParts denoised;
     if (filter_)
       denoised.picture = filter_->denoise(frame, state_, threads_);
     else
       denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_);
+    if (job_.blend) blend(frame, denoised.picture);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
     const std::vector<std::string> notes = write(task.output, denoised, input);
@@ -119,7 +122,9 @@ class Run {
   }
 
   /// What was remembered of the frames before it is of no use to the one after it.
-  void fail_frame() { state_.end(); }
+  void fail_frame() {
+    for (SequenceState* state : {&state_, &first_half_, &second_half_}) state->end();
+  }
 
   void finish_frame() {
     advance_to(kSteps);
@@ -127,6 +132,25 @@ class Run {
   }
 
  private:
+  /// Of a half of the samples.
+  Image denoise_half(const Frame& half, SequenceState& state) {
+    DenoiseOptions how = how_;
+    how.progress = nullptr;
+    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how);
+  }
+
+  void blend(const Frame& frame, Image& picture) {
+    if (!can_blend(frame)) {
+      if (!told_of_blending_)
+        spdlog::warn("one sample a pixel has no halves to compare: such pictures are not blended");
+      told_of_blending_ = true;
+      return;
+    }
+    const Image first = denoise_half(half_of(frame, 0), first_half_),
+                second = denoise_half(half_of(frame, 1), second_half_);
+    picture = blend_with_mean(frame, picture, first, second).picture;
+  }
+
   void check_outputs() const {
     if (!job_.noisy.empty()) {
       picture_format(job_.noisy);
@@ -145,6 +169,9 @@ class Run {
                  filter_->kind());
     if (filter_ && job_.max_memory_bytes > 0)
       fail_usage("--max-memory goes with models; the filter {} takes what its planes take", filter_->kind());
+    if (job_.blend && (!job_.render.also.empty() || job_.filter_alpha || job_.wants_parts()))
+      fail_usage(
+          "--blend goes with the picture alone, not with --also, --alpha filter, --aovs and --kernel-at");
     if (!job_.wants_parts()) return;
     if (filter_)
       fail_usage("--aovs and --kernel-at look into networks with layers, but {} is a filter",
@@ -249,9 +276,9 @@ class Run {
   std::string checksum_ = job_.filter ? std::string() : file_checksum(job_.model);
   Progress progress_;
   DenoiseOptions how_;
-  SequenceState state_;
+  SequenceState state_, first_half_, second_half_;  // of the samples, where pictures are blended
   int64_t done_ = 0;
-  bool told_ = false;
+  bool told_ = false, told_of_blending_ = false;
 };
 
 }  // namespace

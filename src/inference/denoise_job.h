@@ -25,6 +25,7 @@ struct DenoiseJob {
   int samples = 0;               // the first so many of each frame; 0: all
   bool skip_existing = false;    // pictures that are there are left alone
   bool full_float = false;
+  bool blend = false;         // towards the samples' mean, as far as it is the better one (inference/blend.h)
   bool filter_alpha = false;  // like a light part; else it is the mean of the samples'
   std::filesystem::path
       noisy;  // of a single picture: where the mean of its samples goes, too; empty: nowhere

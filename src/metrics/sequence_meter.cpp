@@ -19,7 +19,7 @@ constexpr int kLightRadius = 3;       // pixels
 constexpr float kStillFlow = 1.0F / 64;
 constexpr double kStillShare = 0.01;     // of the pixels, for a flicker to be measured
 constexpr double kDetailLeast = 0.01;    // |fine_detail| of the reference where there is detail
-constexpr double kSettled = 0.05;        // relative error
+constexpr double kSettled = 0.05;        // share of the change
 constexpr size_t kFirstFrameLength = 4;  // of a sequence, for its beginning to be told from its end
 
 enum Measure { te, tpsnr, trmae, flicker_of, steadier, ghosting, trail, first_frame, detail, measure_count };
@@ -70,6 +70,22 @@ std::vector<double> light_change(const SequenceGround& ground) {
   return box_means(std::move(change), std::move(seen), ground.width, ground.height, kLightRadius);
 }
 
+/// What came into view less what was seen at its place in the frame before, the mean over channels and the
+/// pixels of a window that came into view, too. 0 for what was outside.
+std::vector<double> replacement(const SequenceGround& ground, const SurfaceGuides& guides) {
+  const std::vector<double> now = channel_mean(ground.shown), before = channel_mean(ground.shown_before);
+  std::vector<double> change(now.size()), came(now.size());
+  for (size_t p = 0; p < now.size(); ++p) {
+    if (ground.warp[p].seen_at >= 0) continue;
+    const double u = std::floor(double(p % size_t(ground.width)) + double{guides.flow_x[p]} + 0.5),
+                 v = std::floor(double(p / size_t(ground.width)) + double{guides.flow_y[p]} + 0.5);
+    if (!(u >= 0 && v >= 0 && u < ground.width && v < ground.height)) continue;
+    came[p] = 1;
+    change[p] = now[p] - before[size_t(v) * size_t(ground.width) + size_t(u)];
+  }
+  return box_means(std::move(change), std::move(came), ground.width, ground.height, kLightRadius);
+}
+
 }  // namespace
 
 const std::vector<Metric>& sequence_measures() {
@@ -95,8 +111,10 @@ const std::vector<Metric>& sequence_measures() {
            kLightChange, kChangedFrames),
        "mean of |T(d) - T(r)| on these pixels / that on all", 3, nullptr},
       {"trail", "trail", Best::lowest, "the same pixels by the frames since then",
-       fmt::format("the first number of frames with sum |T(d) - T(r)| / sum T(r) below {:g}; {}: none",
-                   kSettled, kChangedFrames),
+       fmt::format(
+           "the first number of frames with |sum (T(r) - T(d)) c| / sum c^2 below {:g}, c the change of "
+           "the reference; {}: none",
+           kSettled, kChangedFrames),
        2, nullptr},
       {"first_frame", "first frame", Best::lowest,
        fmt::format("display values; sequences of at least {} frames", kFirstFrameLength),
@@ -118,6 +136,8 @@ void SequenceGround::advance(const SurfaceGuides& guides, const Image& reference
   shown = display_values(reference);
   age_before_ = std::move(age);
   age.assign(count, kChangedFrames);
+  change_before_ = std::move(change);
+  change.assign(count, 0);
   const std::vector<double> mean = channel_mean(shown);
   detail = fine_detail(mean, width, height);
   if (frames == 0) {
@@ -126,14 +146,18 @@ void SequenceGround::advance(const SurfaceGuides& guides, const Image& reference
     still.assign(count, guides.has_flow ? 1 : 0);
   } else {
     warp = reproject(guides, guides_);
-    const std::vector<double> change = light_change(*this);
+    const std::vector<double> lit = light_change(*this), replaced = replacement(*this, guides);
     for (size_t p = 0; p < count; ++p) {
       const bool surface = guides.surface[p].depth < kEscapedDepth;
       if (!guides.has_flow || !surface) continue;
-      if (warp[p].seen_at < 0 || std::abs(change[p]) > kLightChange)
+      if (warp[p].seen_at < 0 || std::abs(lit[p]) > kLightChange) {
         age[p] = 0;
-      else
-        age[p] = std::min(age_before_[size_t(warp[p].seen_at)] + 1, kChangedFrames);
+        change[p] = warp[p].seen_at < 0 ? replaced[p] : lit[p];
+      } else {
+        const auto before = size_t(warp[p].seen_at);
+        age[p] = std::min(age_before_[before] + 1, kChangedFrames);
+        change[p] = change_before_[before];
+      }
     }
   }
   for (size_t p = 0; p < count; ++p)
@@ -156,14 +180,15 @@ void SequenceMeter::add(const SequenceGround& ground, const Image& denoised) {
   const size_t count = ground.age.size();
   SequenceFrame frame{0, kNone, kNone};
   for (size_t p = 0; p < count; ++p) {
-    double error = 0, light = 0;
+    double error = 0, missing = 0;
     for (size_t i = p; i < shown.size(); i += count) {
       error += std::abs(shown[i] - ground.shown[i]);
-      light += ground.shown[i];
+      missing += (ground.shown[i] - shown[i]) / 3;
     }
     const auto age = static_cast<size_t>(ground.age[p]);
     error_of_age_[age] += error;
-    light_of_age_[age] += light;
+    lag_of_age_[age] += missing * ground.change[p];
+    change_of_age_[age] += ground.change[p] * ground.change[p];
     ++pixels_of_age_[age];
     frame.error += error;
   }
@@ -213,13 +238,12 @@ double SequenceMeter::flicker(const SequenceGround& ground) const {
   return sum / static_cast<double>(used);
 }
 
-std::array<double, kChangedFrames> SequenceMeter::error_by_age() const {
-  std::array<double, kChangedFrames> errors{};
-  for (size_t age = 0; age < errors.size(); ++age)
-    errors[age] = broken_ || pixels_of_age_[age] == 0 ? kNone
-                  : error_of_age_[age] > 0            ? error_of_age_[age] / light_of_age_[age]
-                                                      : 0;
-  return errors;
+std::array<double, kChangedFrames> SequenceMeter::left_by_age() const {
+  std::array<double, kChangedFrames> left{};
+  for (size_t age = 0; age < left.size(); ++age)
+    left[age] =
+        !broken_ && change_of_age_[age] > 0 ? std::abs(lag_of_age_[age]) / change_of_age_[age] : kNone;
+  return left;
 }
 
 SequenceScores SequenceMeter::scores(const SequenceGround& ground, const SequenceMeter& noisy) const {
@@ -234,7 +258,9 @@ SequenceScores SequenceMeter::scores(const SequenceGround& ground, const Sequenc
   result.applies[tpsnr] = result.applies[trmae] = pairs;
   result.applies[flicker_of] = result.applies[steadier] =
       pairs && still >= kStillShare * static_cast<double>(count) && still > 0;
-  result.applies[ghosting] = result.applies[trail] = changed > 0;
+  result.applies[ghosting] = changed > 0;
+  result.applies[trail] =
+      std::accumulate(noisy.change_of_age_.begin(), noisy.change_of_age_.end() - 1, 0.0) > 0;
   result.applies[first_frame] = length >= kFirstFrameLength;
   result.applies[detail] = noisy.reference_detail_ > 0;
   if (broken_) return result;
@@ -257,9 +283,11 @@ SequenceScores SequenceMeter::scores(const SequenceGround& ground, const Sequenc
                             std::accumulate(pixels_of_age_.begin(), pixels_of_age_.end(), int64_t{0}));
     values[ghosting] =
         ratio(mean(std::accumulate(error_of_age_.begin(), error_of_age_.end() - 1, 0.0), changed), all);
-    const std::array<double, kChangedFrames> errors = error_by_age();
-    values[trail] = static_cast<double>(
-        std::find_if(errors.begin(), errors.end(), [](double x) { return x < kSettled; }) - errors.begin());
+  }
+  if (result.applies[trail]) {
+    const std::array<double, kChangedFrames> left = left_by_age();
+    const auto* const gone = std::find_if(left.begin(), left.end(), [](double x) { return x < kSettled; });
+    values[trail] = static_cast<double>(gone - left.begin());
   }
   if (result.applies[first_frame]) {
     double steady = 0;

@@ -31,6 +31,9 @@ class SequenceGround {
   /// not show it there or beside, or the reference's display values differ by more than 0.1 from the warped
   /// ones, both as means over 7x7 pixels. kChangedFrames: longer ago, or since the beginning.
   std::vector<int> age;
+  /// By how much the mean over the channels changed then, as means over the 7x7 pixels that changed with it;
+  /// where something came into view, from what was seen at its place before. 0 at the borders that entered.
+  std::vector<double> change;
   /// Pixels that stand still so far: flow of at most 1/64 pixel, and a reference within 0.1 of the first.
   std::vector<uint8_t> still;
   std::vector<double> detail;  // fine_detail of the mean over the channels
@@ -39,6 +42,7 @@ class SequenceGround {
   std::vector<double> first_;
   SurfaceGuides guides_;
   std::vector<int> age_before_;
+  std::vector<double> change_before_;
 };
 
 /// Of one frame, for curves. NaN where there is no number.
@@ -63,8 +67,10 @@ class SequenceMeter {
   /// `noisy`: the meter of the noisy pictures, for the gain in steadiness.
   SequenceScores scores(const SequenceGround& ground, const SequenceMeter& noisy) const;
   const std::vector<SequenceFrame>& frames() const { return frames_; }
-  /// sum |T(d) - T(r)| / sum T(r) over the pixels that changed so many frames ago; NaN where there are none.
-  std::array<double, kChangedFrames> error_by_age() const;
+  /// How much of a change is still to come so many frames after it: |sum (T(r) - T(d)) c| / sum c^2 over the
+  /// pixels that changed then, c their change. 1: the picture of before; 0: none of it is left. Noise and
+  /// blur have no part in it, for they do not go with the change. NaN where nothing changed.
+  std::array<double, kChangedFrames> left_by_age() const;
 
  private:
   double flicker(const SequenceGround& ground) const;
@@ -72,7 +78,7 @@ class SequenceMeter {
   std::vector<SequenceFrame> frames_;
   std::vector<double> before_, first_;  // display values of the frame before and of the first one
   std::vector<double> sums_, squares_;  // of display values less the first: what stands still is exactly 0
-  std::array<double, kChangedFrames + 1> error_of_age_{}, light_of_age_{};
+  std::array<double, kChangedFrames + 1> error_of_age_{}, lag_of_age_{}, change_of_age_{};
   std::array<int64_t, kChangedFrames + 1> pixels_of_age_{};
   double squared_change_ = 0, relative_change_ = 0, warped_change_ = 0;
   size_t warped_frames_ = 0;

@@ -60,7 +60,7 @@ struct Execution::State {
         schedule(graph, picture, block),
         arena_floats(make_windows()),
         arena(arena_floats),
-        outputs(graph.further),
+        outputs(graph.outputs()),
         made(options.made) {
     float* next = arena.begin();
     for (RowWindow& window : context.windows) {
@@ -73,7 +73,26 @@ struct Execution::State {
       for (const size_t n : unit.nodes) row_work.back() += work_of_row(graph.nodes[n]);
       work += row_work.back() * double(extent_of(graph, unit.outputs[0], picture).height);
     }
-    outputs.insert(outputs.begin(), graph.output);
+  }
+
+  /// Nothing, or what such a graph leaves.
+  void expect_state(const FrameState& before) const {
+    const std::vector<ValueId>& state = context.graph.state;
+    if (before.empty()) return;
+    bool fits = before.size() == state.size();
+    for (size_t i = 0; fits && i < state.size(); ++i)
+      fits = before[i].width == context.picture.width && before[i].height == context.picture.height &&
+             before[i].channels == context.graph[state[i]].channels;
+    if (!fits)
+      fail("the state of a frame before is not one of this network's for {}x{} pixels; begin without one",
+           context.picture.width, context.picture.height);
+  }
+
+  /// What one frame leaves for the next.
+  int64_t state_bytes() const {
+    int64_t planes = 0;
+    for (const ValueId id : context.graph.state) planes += context.graph[id].channels;
+    return planes * context.picture.height * context.picture.width * int64_t(sizeof(float));
   }
 
   double work_of_row(const graph::Node& node) const {
@@ -101,7 +120,7 @@ struct Execution::State {
                                tile_pixels(context.graph, unit, context.picture));
   }
 
-  void begin(SampleSource& source) {
+  void begin(SampleSource& source, const FrameState& before) {
     const PictureExtent &picture = context.picture, given = source.extent();
     if (!(given == picture))
       fail("a frame of {}x{} pixels at {} samples, expected {}x{} at {}", given.width, given.height,
@@ -112,6 +131,8 @@ struct Execution::State {
       fail("a frame of {} light parts{}; expected {}{}", held.colours, held.alpha ? "" : " without alpha",
            parts.colours, parts.alpha ? " and alpha" : "");
     context.source = &source;
+    expect_state(before);
+    context.before = before.empty() ? nullptr : &before;
     context.seconds.assign(context.graph.nodes.size(), 0);
     for (const auto& step : steps) step->start();
   }
@@ -129,8 +150,8 @@ struct Execution::State {
   }
 
   /// Makes all rows, and hands out those of the outputs.
-  void walk(SampleSource& source, const Progress& progress, const Rows& rows) {
-    begin(source);
+  void walk(SampleSource& source, const Progress& progress, const Rows& rows, const FrameState& before) {
+    begin(source, before);
     double done = 0, told = 0;
     schedule.walk(
         [&](size_t unit, int64_t begin, int64_t end) {
@@ -165,7 +186,7 @@ int64_t Execution::arena_bytes() const {
 }
 
 int64_t Execution::memory_bytes() const {
-  int64_t bytes = arena_bytes();
+  int64_t bytes = arena_bytes() + 2 * state_->state_bytes();  // the last frame's and this one's
   for (const auto& step : state_->steps) bytes += step->scratch_bytes(state_->block);
   // Steps have the weights in the order in which they read them.
   for (const graph::Parameter& parameter : graph::parameters(state_->context.graph))
@@ -181,28 +202,31 @@ const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
   return state_->context.windows[state_->outputs[output]].row(y, plane);
 }
 
-void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows) {
+void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows,
+                    const FrameState& before) {
   const FlushedDenormals flushed(state_->context.threads);
   FrameSource source(frame, state_->context.graph, state_->context.threads);
-  state_->walk(source, progress, rows);
+  state_->walk(source, progress, rows, before);
 }
 
-void Execution::run(const SampleArrays& arrays, const Progress& progress, const Rows& rows) {
+void Execution::run(const SampleArrays& arrays, const Progress& progress, const Rows& rows,
+                    const FrameState& before) {
   const FlushedDenormals flushed(state_->context.threads);
   ArraySource source(arrays, state_->context.graph, state_->context.threads);
-  state_->walk(source, progress, rows);
+  state_->walk(source, progress, rows, before);
 }
 
-std::vector<Image> Execution::run(const Frame& frame, const Progress& progress) {
+std::vector<Image> Execution::run(const Frame& frame, const Progress& progress, const FrameState& before) {
   std::vector<Image> images;
   for (const ValueId output : state_->outputs)
     images.emplace_back(frame.width, frame.height, int(state_->context.windows[output].planes));
-  run(frame, progress, [&](int64_t begin, int64_t end) {
+  const Rows keep = [&](int64_t begin, int64_t end) {
     for (size_t i = 0; i < images.size(); ++i)
       for (int64_t y = begin; y < end; ++y)
         for (int c = 0; c < images[i].channels; ++c)
           std::copy_n(row(i, c, y), frame.width, &images[i].at(c, 0, int(y)));
-  });
+  };
+  run(frame, progress, keep, before);
   return images;
 }
 

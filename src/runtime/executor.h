@@ -7,6 +7,7 @@
 
 #include "frame/sample_arrays.h"
 #include "graph/graph.h"
+#include "runtime/frame_state.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
 #include "weights/named_weights.h"
@@ -39,13 +40,15 @@ class Execution {
   /// Rows [begin, end) of all outputs are there: row(output, plane, y).
   using Rows = std::function<void(int64_t begin, int64_t end)>;
 
-  /// All outputs of the graph, the denoised picture [3 + parts, H, W] first. The frame has that size and
-  /// those parts, has been sanitised and has a depth scale.
-  std::vector<Image> run(const Frame& frame, const Progress& progress = {});
+  /// All outputs of the graph (Graph::outputs()), the denoised picture [3 + parts, H, W] first. The frame has
+  /// that size and those parts, has been sanitised and has a depth scale. `before`: what the frame before has
+  /// left, or nothing. Throws Error for a state of another network or size.
+  std::vector<Image> run(const Frame& frame, const Progress& progress = {}, const FrameState& before = {});
   /// The same, without keeping what `rows` does not keep.
-  void run(const Frame& frame, const Progress& progress, const Rows& rows);
+  void run(const Frame& frame, const Progress& progress, const Rows& rows, const FrameState& before = {});
   /// Of samples that nobody has sanitised, with the bits of a frame of them.
-  void run(const SampleArrays& arrays, const Progress& progress, const Rows& rows);
+  void run(const SampleArrays& arrays, const Progress& progress, const Rows& rows,
+           const FrameState& before = {});
   /// Of the outputs' rows that are there: number `output`, the graph's own first.
   const float* row(size_t output, int64_t plane, int64_t y) const;
 

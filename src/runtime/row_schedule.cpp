@@ -62,12 +62,11 @@ struct RowSchedule::Walk {
 RowSchedule::RowSchedule(const Graph& graph, const PictureExtent& picture, int64_t block)
     : graph_(graph),
       block_(block),
-      outputs_(graph.further),
+      outputs_(graph.outputs()),
       units_(units_of(graph)),
       producer_(graph.values.size()),
       consumers_(graph.values.size()),
       capacity_(graph.values.size(), 0) {
-  outputs_.insert(outputs_.begin(), graph.output);
   for (ValueId id = 0; id < graph.values.size(); ++id)
     extents_.push_back(graph::extent_of(graph, id, picture));
   for (size_t u = 0; u < units_.size(); ++u) {

@@ -6,6 +6,7 @@
 
 #include "frame/sample_arrays.h"
 #include "graph/extent.h"
+#include "graph/graph.h"
 #include "runtime/row_window.h"
 
 namespace ld {

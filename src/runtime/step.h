@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "runtime/frame_state.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
 #include "runtime/sample_source.h"
@@ -44,7 +45,8 @@ struct StepContext {
 
   // Of the frame that runs.
   SampleSource* source = nullptr;
-  std::vector<double> seconds = {};  // that each node has taken so far
+  const FrameState* before = nullptr;  // null at the start of a sequence
+  std::vector<double> seconds = {};    // that each node has taken so far
 
   const RowWindow& input(const graph::Node& node, size_t i) const { return windows[node.inputs[i]]; }
   const RowWindow& output(const graph::Node& node, size_t i = 0) const { return windows[node.outputs[i]]; }
@@ -87,6 +89,9 @@ std::unique_ptr<TileStep> make_step(const graph::Composite& op, const graph::Nod
 std::unique_ptr<Step> make_step(const graph::ModulationFactors& op, const graph::Node& node,
                                 StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::Modulate& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Recall& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::Compare& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Remember& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::LayerIdentity& op, const graph::Node& node,
                                     StepContext& context);
 

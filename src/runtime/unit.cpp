@@ -35,8 +35,7 @@ class Grouping {
             add_once(units[u].inputs, input);
             add_once(units[producer_[input]].outputs, input);
           }
-    add_once(units[producer_[graph_.output]].outputs, graph_.output);
-    for (const ValueId output : graph_.further) add_once(units[producer_[output]].outputs, output);
+    for (const ValueId output : graph_.outputs()) add_once(units[producer_[output]].outputs, output);
     return units;
   }
 

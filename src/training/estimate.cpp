@@ -6,6 +6,7 @@
 #include "core/process/process_memory.h"
 #include "core/progress.h"
 #include "ops/memory_pool.h"
+#include "training/clip_pass.h"
 #include "training/optimizer/optimizer.h"
 
 namespace ld {
@@ -41,12 +42,12 @@ double fastest_pass(const std::function<bool()>& stop, const std::function<void(
 
 }  // namespace
 
-BatchCost measure_batch(Network& network, const Loss& loss, const Batch& batch,
+BatchCost measure_batch(Network& network, const ClipLoss& loss, const Batch& batch,
                         const std::function<bool()>& stop) {
   BatchCost cost;
   cost.seconds = fastest_pass(stop, [&] {
-    const torch::Tensor denoised = network.forward(batch.input);
-    loss(denoised, batch.reference).backward();
+    const torch::Tensor denoised = denoise_clips(network, batch.input, batch.clip);
+    loss(denoised, batch.reference, batch.clip).backward();
     wait_for_device(denoised);
     forget_gradients(network);
   });

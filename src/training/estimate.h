@@ -6,7 +6,7 @@
 #include <string>
 
 #include "dataset/input_tensors.h"
-#include "losses/loss.h"
+#include "losses/clip_loss.h"
 #include "models/network.h"
 #include "training/validation.h"
 
@@ -25,7 +25,7 @@ struct ValidationCost {
 
 /// Measures two passes forward and backward (one, when it takes 10 s), and keeps the faster; leaves neither
 /// gradients nor anything else behind. Ends early when `stop` becomes true between passes.
-BatchCost measure_batch(Network& network, const Loss& loss, const Batch& batch,
+BatchCost measure_batch(Network& network, const ClipLoss& loss, const Batch& batch,
                         const std::function<bool()>& stop);
 
 /// The same without gradients, over the middle of the largest validation frame, up to 512x512 pixels of it.

@@ -17,8 +17,11 @@ namespace {
 
 /// The one parameter whose columns are the features.
 constexpr const char* kFirstLayer = "sample_reducer.0.weight";
-/// Parameters that weights may lack: as they begin, they change nothing (models/rejection.h).
-constexpr const char* kRejection = "rejection.";
+/// Parameters that weights may lack: as they begin, they change nothing of a frame (models/rejection.h,
+/// models/history.h).
+bool may_be_missing(const std::string& parameter) {
+  return parameter.rfind("rejection.", 0) == 0 || parameter.rfind("history.", 0) == 0;
+}
 
 /// First channel of each feature among the network's inputs.
 std::map<std::string, int64_t> first_channels(const std::vector<std::string>& features) {
@@ -75,7 +78,7 @@ void begin_with_weights(const std::filesystem::path& model, Network& network) {
   const torch::NoGradGuard no_graph;
   for (auto& parameter : network.named_parameters()) {
     const torch::Tensor* found = source.find(parameter.key());
-    if (found == nullptr && parameter.key().rfind(kRejection, 0) == 0) continue;  // it begins without effect
+    if (found == nullptr && may_be_missing(parameter.key())) continue;
     if (found == nullptr)
       fail_usage(
           "init: {} (network '{}') has no '{}', which this run's network '{}' has; give both the same layers",

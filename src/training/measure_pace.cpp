@@ -27,7 +27,7 @@ std::vector<double> time_steps(Optimizer& trial, const PaceSubject& subject, int
   const auto start = Clock::now();
   for (int64_t step = 0, enough = 0; enough == 0; ++step) {
     const auto step_start = Clock::now();
-    trial.step(subject.training_set, step % known, subject.loss, 0, step + 1, subject.group);
+    trial.step(subject.training_set, step % known, subject.clip_loss, 0, step + 1, subject.group);
     if (step >= kWarmUp) seconds.push_back(seconds_since(step_start));
     const bool time_is_up = step + 1 >= kLeastSteps && seconds_since(start) > limit;
     enough = subject.group.any(

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "dataset/training_set.h"
-#include "losses/loss.h"
+#include "losses/clip_loss.h"
 #include "models/network.h"
 #include "training/distributed/process_group.h"
 #include "training/run/config.h"
@@ -22,6 +22,7 @@ struct PaceSubject {
   TrainingSet& training_set;
   const Validation& validation;
   const Loss& loss;
+  const ClipLoss& clip_loss;
   ProcessGroup& group;
   const std::filesystem::path& run;
   std::chrono::steady_clock::time_point start;  // of the program: what it took so far is gone

@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
@@ -26,15 +28,13 @@ TrainConfig prepare(TrainConfig config, const std::filesystem::path& run, Proces
     comparable.data.path.clear();  // where each machine has the data is its own business
     comparable.data.paths.clear();
     group.require_equal(fixed_configuration(comparable), "configuration");
-    group.require_equal(manifests_checksum(config.data), "data set");
+    group.require_equal(data_checksum(config.data), "data set");
     group.require_equal(config.run.device, "run.device");  // or the weights would drift apart by rounding
   }
-  if (!config.network.auto_features()) return config;
-  if (group.is_root()) config = resolve_features(std::move(config), run);
-  const std::string list = group.broadcast(
-      fmt::format("features: [{}]\n", fmt::join(config.network.features, ", ")), "sharing the features");
-  config.network.features =
-      config_from_tree<NetworkConfig>(parse_config(list, "features of rank 0")).features;
+  if (!config.network.auto_features() && !config.network.of_init()) return config;
+  if (group.is_root()) config = resolve_network(std::move(config), run);
+  const std::string shared = group.broadcast(config_to_yaml(config.network), "sharing the network");
+  config.network = config_from_tree<NetworkConfig>(parse_config(shared, "network of rank 0"));
   fit_to_features(config.network);
   return config;
 }
@@ -51,22 +51,29 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
       validation_(make_validation_stores(config_), config_.run.images, validation_samples(config_.data)),
       checkpoints_(run_, config_.run.keep),
       loss_(options.loss ? options.loss : make_loss(config_.loss)),
+      clip_loss_(make_clip_loss(config_.clip_loss, loss_)),
       kernel_probe_(options.kernel_probe ? options.kernel_probe : kernel_statistics),
       // A run that continues takes its weights from a checkpoint, and other ranks take those of rank 0.
       network_(make_initial_network(config_, group_.is_root() && !checkpoints_.begun())),
       optimizer_(network_, config_.optimizer),
       course_(config_.run, config_.watch, !validation_.empty()) {
   TrainingState fresh;
-  fresh.dataset = manifests_checksum(config_.data);
+  fresh.dataset = data_checksum(config_.data);
   fresh.crops_per_step = config_.data.batch * config_.optimizer.accumulate;
   if (group_.is_root()) lock_.emplace(run_);
   const std::optional<Pace> pace =
-      settle_steps(config_, {*network_, training_set_, validation_, loss_, group_, run_, start_});
+      settle_steps(config_, {*network_, training_set_, validation_, loss_, clip_loss_, group_, run_, start_});
   const int64_t steps = schedule_steps(config_, training_set_.batches_per_epoch());
   if (steps == 0) return;  // stopped meanwhile: nothing has begun
   if (group_.is_root()) open_run(options.command, fresh.dataset, steps);
   if (group_.is_root() && pace) spdlog::info("{}", pace_text(*pace, config_.run.minutes, steps));
-  course_.begin(resume(fresh), steps);
+  TrainingState begun = resume(fresh);
+  // What the network can before it learns is what every later one is compared with.
+  if (validation_.has_sample_targets() && begun.step == 0) begun.validation_due = true;
+  if (validation_.has_sample_targets())
+    verdict_ = begun.best_step > 0 ? fmt::format("the best weights are those of step {}", begun.best_step)
+                                   : "the weights of the beginning are the best so far";
+  course_.begin(begun, steps);
   if (group_.is_root())
     log_.emplace(run_, state().validation_due ? state().step - 1 : state().step, config_.network.layers);
 }
@@ -82,7 +89,7 @@ void Trainer::train() {
     if (group_.is_root()) rescue();
     throw;
   }
-  if (course_.saved_step() != state().step) save_at_end();
+  if (course_.saved_step() != state().step || course_.best_is_unsaved()) save_at_end();
   group_.barrier("ending");
   lock_.reset();
 }
@@ -124,7 +131,7 @@ double Trainer::take_step() {
   course_.step_begins();
   const int64_t step = state().step;
   const Optimizer::Outcome outcome =
-      optimizer_.step(training_set_, step, loss_, rate_of(step), state().optimizer_steps + 1, group_);
+      optimizer_.step(training_set_, step, clip_loss_, rate_of(step), state().optimizer_steps + 1, group_);
   timer_.count_step();
   if (outcome.taken) {
     course_.step_taken(outcome.loss);
@@ -161,12 +168,14 @@ void Trainer::validate() {
     return;
   }
   const torch::NoGradGuard no_graph;
+  const int samples = validation_samples(config_.data).input;
   const KernelStatistics kernels = mean_over_processes(
-      kernel_probe_(network, training_set_.batch_with(0, validation_samples(config_.data)).input),
+      kernel_probe_(network,
+                    training_set_.batch_with(0, samples > 0 ? samples : training_set_.samples().most).input),
       training_set_.batch_share(), group_);
   row_ = result->scores;
   add_to_row(kernels, row_);
-  const double loss = row_.at("validation_loss");
+  const double loss = validation_.has_sample_targets() ? judge(*result) : row_.at("validation_loss");
   // A network with a filter of its own may well have one kernel for all pixels.
   if (network_traits(config_.network.name).filter == Filter::own)
     course_.validated(loss, kNotJudged, kNotJudged);
@@ -176,7 +185,7 @@ void Trainer::validate() {
   std::string text;
   for (const Metric& metric : metrics())
     text += fmt::format(", {} {:.{}f}", metric.title, row_.at(metric.name), metric.digits);
-  spdlog::info("step {}: validation loss {:.4f}{}{}", state().step, loss,
+  spdlog::info("step {}: validation loss {:.4f}{}{}", state().step, row_.at("validation_loss"),
                course_.best_is_unsaved() ? " (best)" : "", text);
   log_->pictures(state().step, result->pictures);
 }
@@ -185,7 +194,7 @@ void Trainer::log_row() {
   if (group_.is_root()) {
     const auto batches = static_cast<double>(state().step * config_.optimizer.accumulate);
     row_["epoch"] = batches / static_cast<double>(training_set_.batches_per_epoch());
-    row_["learning_rate"] = rate_of(state().step - 1);
+    row_["learning_rate"] = rate_of(std::max<int64_t>(state().step - 1, 0));
     row_["skipped"] = static_cast<double>(state().skipped);
     row_["rollbacks"] = static_cast<double>(state().rollbacks);
     if (state().loss_count > 0)

@@ -50,6 +50,9 @@ class Trainer {
   void train();
 
   const TrainingState& state() const { return course_.state(); }
+  /// Of a training on samples as targets: what the best weights gain on held-out frames, or why those of the
+  /// beginning are the best, in a sentence; "" for other trainings.
+  const std::string& verdict() const { return verdict_; }
   /// Of the schedule; 0 when a signal came while run.minutes was turned into steps: then there is no run.
   int64_t total_steps() const { return course_.total_steps(); }
   /// The network that is trained, and the averaged one that validates (the same without optimizer.ema).
@@ -67,6 +70,7 @@ class Trainer {
   double take_step();
   [[noreturn]] void end_diverged();
   void validate();
+  double judge(const ValidationResult& result);
   void log_row();
   double rate_of(int64_t step) const;
   // trainer_checkpoints.cpp
@@ -86,7 +90,8 @@ class Trainer {
   TrainingSet training_set_;
   Validation validation_;
   CheckpointFolder checkpoints_;
-  Loss loss_;
+  Loss loss_;  // of frames, which validates
+  ClipLoss clip_loss_;
   KernelProbe kernel_probe_;
   std::shared_ptr<Network> network_;
   Optimizer optimizer_;
@@ -95,6 +100,7 @@ class Trainer {
   std::optional<RunLog> log_;          // of rank 0
   std::map<std::string, double> row_;  // scores of a validation that are not logged yet
   StepTimer timer_;                    // since the last row of the log
+  std::string verdict_;
 };
 
 }  // namespace ld

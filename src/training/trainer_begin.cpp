@@ -77,9 +77,9 @@ void Trainer::announce() {
   plan.accumulate = config_.optimizer.accumulate;
   const int64_t first = state().step * plan.accumulate;
   const auto measure = [&](const Batch& batch) {
-    return measure_batch(*network_, loss_, batch, [] { return stop_requested(); });
+    return measure_batch(*network_, clip_loss_, batch, [] { return stop_requested(); });
   };
-  const SampleRange samples = sample_range(config_.data);
+  const SampleRange& samples = training_set_.samples();
   if (!validation_.empty())
     plan.validation =
         measure_validation(optimizer_.average().network(), validation_, [] { return stop_requested(); });

@@ -8,8 +8,11 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "dataset/shot.h"
 #include "dataset/varying_features.h"
+#include "frame/frame_file.h"
 #include "frame/schema.h"
+#include "weights/network_weights.h"
 
 namespace ld {
 namespace fs = std::filesystem;
@@ -17,6 +20,41 @@ namespace {
 
 constexpr uint64_t kMegabyte = uint64_t{1} << 20;
 constexpr uint64_t kValidationMemory = 256 * kMegabyte;  // where no cache file can be written
+
+/// Frames of one of the sets, which a store is made of.
+std::vector<ManifestFrame> frames_of(const DataConfig& config, const std::string& path,
+                                     const std::string& split) {
+  if (!config.sample_targets()) return frames_of_split(path, split);
+  return of_split(frames_of_shot(path, static_cast<int>(config.held_out)), split);
+}
+
+/// The network of `init` without those of its optional features that some frame lacks.
+NetworkConfig network_of_init(const TrainConfig& config) {
+  if (config.init.empty())
+    fail_usage(
+        "network.name is '{}', the network of the weights to begin with, but init is empty; say "
+        "init=FILE_OR_NAME, released weights for instance, or name a network",
+        kNetworkOfInit);
+  NetworkConfig network = read_network_weights(config.init).config;
+  std::vector<std::string> left_out;
+  for (const DataSetConfig& set : data_sets(config.data))
+    for (const ManifestFrame& frame : frames_of(config.data, set.path, "train")) {
+      const std::vector<std::string> held = read_frame_header(frame_path(set.path, frame.name)).features;
+      for (const std::string& name : network.optional)
+        if (std::find(held.begin(), held.end(), name) == held.end() &&
+            std::find(left_out.begin(), left_out.end(), name) == left_out.end())
+          left_out.push_back(name);
+    }
+  const auto is_out = [&](const std::string& name) {
+    return std::find(left_out.begin(), left_out.end(), name) != left_out.end();
+  };
+  for (std::vector<std::string>* names : {&network.features, &network.optional})
+    names->erase(std::remove_if(names->begin(), names->end(), is_out), names->end());
+  spdlog::info("network of {}: '{}' of {}; its features that the frames lack: {}", config.init, network.name,
+               fmt::join(network.features, ", "),
+               left_out.empty() ? "none" : fmt::format("{}", fmt::join(left_out, ", ")));
+  return network;
+}
 
 std::vector<std::string> found_features(const DataConfig& config) {
   std::vector<fs::path> folders;
@@ -62,9 +100,10 @@ SampleRange sample_range(const DataConfig& config) {
   return {static_cast<int>(samples[0]), static_cast<int>(samples[1])};
 }
 
-int validation_samples(const DataConfig& config) {
+ValidationSamples validation_samples(const DataConfig& config) {
   const auto asked = static_cast<int>(config.validation_samples);
-  return asked > 0 ? asked : sample_range(config).most;
+  if (asked > 0 || config.sample_targets()) return {asked, config.sample_targets()};
+  return {sample_range(config).most, false};
 }
 
 void fit_to_features(NetworkConfig& network) {
@@ -77,12 +116,16 @@ void fit_to_features(NetworkConfig& network) {
   network.demodulation = "none";
 }
 
-TrainConfig resolve_features(TrainConfig config, const fs::path& run) {
-  if (!config.network.auto_features()) return config;
+TrainConfig resolve_network(TrainConfig config, const fs::path& run) {
   const fs::path stored = run / "config.yaml";
-  config.network.features = fs::exists(stored)
-                                ? config_from_tree<TrainConfig>(read_config(stored)).network.features
-                                : found_features(config.data);
+  if (fs::exists(stored) && (config.network.of_init() || config.network.auto_features())) {
+    const NetworkConfig begun = config_from_tree<TrainConfig>(read_config(stored)).network;
+    if (config.network.of_init()) config.network = begun;
+    config.network.features = begun.features;
+    return config;
+  }
+  if (config.network.of_init()) config.network = network_of_init(config);
+  if (config.network.auto_features()) config.network.features = found_features(config.data);
   return config;
 }
 
@@ -93,13 +136,15 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
                               static_cast<uint64_t>(data.cache_megabytes) * kMegabyte / sets.size()};
   std::vector<WeightedStore> stores;
   for (const DataSetConfig& set : sets)
-    stores.push_back(
-        {std::make_unique<FrameStore>(set.path, "train", config.network.features, cache), set.weight});
+    stores.push_back({std::make_unique<FrameStore>(set.path, frames_of(data, set.path, "train"),
+                                                   config.network.features, cache),
+                      set.weight});
   TrainingSetOptions options;
   options.augmentation = {
       static_cast<int>(data.crop),       data.flips,   data.rotations, static_cast<int>(data.difficulty),
       static_cast<float>(data.exposure), data.colours, data.reversal};
   options.samples = sample_range(data);
+  options.sample_targets = data.sample_targets();
   options.drop = data.drop;
   options.optional = config.network.optional;
   options.clip = static_cast<int>(data.clip);
@@ -117,10 +162,11 @@ std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfi
             least = asked > 0 ? asked : sample_range(config.data).least;
   std::vector<std::unique_ptr<FrameStore>> stores;
   for (const DataSetConfig& set : data_sets(config.data)) {
-    const std::vector<ManifestFrame> frames = read_manifest(set.path).frames;
-    if (std::any_of(frames.begin(), frames.end(),
-                    [](const ManifestFrame& frame) { return frame.split == "validation"; }))
-      stores.push_back(std::make_unique<FrameStore>(set.path, "validation", config.network.features,
+    std::vector<ManifestFrame> frames = config.data.sample_targets()
+                                            ? frames_of(config.data, set.path, "validation")
+                                            : of_split(read_manifest(set.path).frames, "validation");
+    if (!frames.empty())
+      stores.push_back(std::make_unique<FrameStore>(set.path, std::move(frames), config.network.features,
                                                     CacheOptions{config.data.cache, kValidationMemory}));
   }
   for (const std::unique_ptr<FrameStore>& store : stores)
@@ -134,10 +180,11 @@ std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfi
   return stores;
 }
 
-std::string manifests_checksum(const DataConfig& config) {
+std::string data_checksum(const DataConfig& config) {
   std::vector<std::string> checksums;
   for (const DataSetConfig& set : data_sets(config))
-    checksums.push_back(file_checksum(fs::path(set.path) / "manifest.json"));
+    checksums.push_back(config.sample_targets() ? shot_state(set.path)
+                                                : file_checksum(fs::path(set.path) / "manifest.json"));
   return fmt::format("{}", fmt::join(checksums, "+"));
 }
 

@@ -8,6 +8,7 @@
 
 #include "dataset/training_set.h"
 #include "training/run/config.h"
+#include "training/validation.h"
 
 namespace ld {
 
@@ -18,17 +19,18 @@ std::vector<DataSetConfig> data_sets(const DataConfig& config);
 /// data.samples. Throws UsageError unless it holds no number, or two in ascending order.
 SampleRange sample_range(const DataConfig& config);
 
-/// How many samples of each frame validate, the first ones; 0: all.
-int validation_samples(const DataConfig& config);
+/// How many samples of each frame validate, the first ones, and against what.
+ValidationSamples validation_samples(const DataConfig& config);
 
 /// Adapts the settings that name features to features that were found in the data (kAutoFeatures): those not
 /// found are no longer optional, and without an albedo there is no demodulation.
 void fit_to_features(NetworkConfig& network);
 
-/// Replaces `network.features: auto` by the list in the run's stored configuration, so that a run continues
-/// with the features it began with, or, for a new run, by what varying_features() finds; logs what it left
-/// out.
-TrainConfig resolve_features(TrainConfig config, const std::filesystem::path& run);
+/// Replaces what only weights and data can tell about the network (kNetworkOfInit, kAutoFeatures): by what
+/// the run's stored configuration says, so that a run continues with the network that it began with; for a
+/// new run by the network of `init`, and by what varying_features() finds; logs what it left out. Throws
+/// UsageError where there is no `init`.
+TrainConfig resolve_network(TrainConfig config, const std::filesystem::path& run);
 
 /// With several processes, each reads its own part of every batch.
 TrainingSet make_training_set(const TrainConfig& config, int rank = 0, int processes = 1);
@@ -37,7 +39,8 @@ TrainingSet make_training_set(const TrainConfig& config, int rank = 0, int proce
 /// than data.validation_samples, or, where that is 0, than data.samples asks for at least.
 std::vector<std::unique_ptr<FrameStore>> make_validation_stores(const TrainConfig& config);
 
-/// A checksum over the manifests of all data sets: it changes when the data does.
-std::string manifests_checksum(const DataConfig& config);
+/// A checksum over the manifests of all data sets (of a shot without one, over its files' names and sizes):
+/// it changes when the data does.
+std::string data_checksum(const DataConfig& config);
 
 }  // namespace ld

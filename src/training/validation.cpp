@@ -1,14 +1,17 @@
 #include "training/validation.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "metrics/metric.h"
+#include "training/held_out.h"
 
 namespace ld {
 namespace {
 
 constexpr const char* kLoss = "validation_loss";
 constexpr int64_t kPicturesOfFrame = 3;  // ValidationPicture
+constexpr int kTargetTurns = 4;          // ValidationSamples
 
 /// Mean radiance of the valid samples, [3, H, W].
 Image mean_of_samples(const NetworkInput& input) {
@@ -16,22 +19,17 @@ Image mean_of_samples(const NetworkInput& input) {
   return to_image(((input.radiance * input.valid).sum(1) / count).squeeze(0));
 }
 
-/// The part of the frame that `crop` says, with its first samples.
-Batch part_of_frame(FrameStore& store, size_t index, const std::vector<std::string>& features, int samples,
-                    const Augmentation& crop) {
-  const std::shared_ptr<const PackedFrame> frame = store.get(index);
-  SampleList first;
-  for (int s = 0; s < samples; ++s) first.push_back(s);
-  return make_batch({{store.get_intact(index, frame, crop.tiles(), first), crop, first}}, features);
-}
-
 }  // namespace
 
-Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures, int samples)
+Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures,
+                       ValidationSamples samples)
     : stores_(std::move(stores)), pictures_(pictures), samples_(samples) {
   for (const std::unique_ptr<FrameStore>& store : stores_) {
     const size_t first = frames_.size();
-    for (size_t i = 0; i < store->size(); ++i) frames_.push_back({store.get(), i, {}});
+    for (size_t i = 0; i < store->size(); ++i) {
+      frames_.push_back({store.get(), i, {}, blocks_});
+      blocks_ += blocks_of(store->width(i), store->height(i));
+    }
     for (std::vector<size_t>& run : store->runs()) {
       for (size_t i = 0; i < run.size(); ++i) {
         run[i] += first;
@@ -49,9 +47,28 @@ int64_t Validation::pixels() const {
   return sum;
 }
 
+int Validation::turns_of(const FrameOf& frame) const {
+  return samples_.targets ? std::min(kTargetTurns, frame.store->spp(frame.index)) : 1;
+}
+
 int Validation::samples_of(const FrameOf& frame) const {
-  const int all = frame.store->spp(frame.index);
-  return samples_ > 0 ? std::min(samples_, all) : all;
+  const int all = frame.store->spp(frame.index), turns = turns_of(frame);
+  const int most = samples_.targets ? all - (all + turns - 1) / turns : all;
+  return samples_.input > 0 ? std::min(samples_.input, most) : most;
+}
+
+/// That part of the frame, with its first samples, or with those that are not this turn's targets.
+Batch Validation::read(const FrameOf& frame, const std::vector<std::string>& features,
+                       const Augmentation& part, int turn) const {
+  const std::shared_ptr<const PackedFrame> packed = frame.store->get(frame.index);
+  SampleList targets, input;
+  if (samples_.targets)
+    for (int s = turn; s < packed->spp; s += turns_of(frame)) targets.push_back(s);
+  input = other_samples(packed->spp, targets);
+  input.resize(static_cast<size_t>(samples_of(frame)));
+  auto intact =
+      frame.store->get_intact(frame.index, packed, part.tiles(), targets.empty() ? input : SampleList());
+  return make_batch({{std::move(intact), part, input, targets}}, features);
 }
 
 const Validation::FrameOf& Validation::largest() const {
@@ -75,7 +92,7 @@ Batch Validation::middle_of_largest(const std::vector<std::string>& features, in
   middle.height = std::min(height, side);
   middle.x = (width - middle.width) / 2;
   middle.y = (height - middle.height) / 2;
-  return part_of_frame(*frame.store, frame.index, features, samples_of(frame), middle);
+  return read(frame, features, middle);
 }
 
 int64_t Validation::picture_bytes() const {
@@ -103,8 +120,9 @@ std::set<size_t> Validation::shown(const ProcessGroup& group) const {
 
 std::optional<ValidationResult> Validation::run(Network& network, const Loss& loss, ProcessGroup& group,
                                                 const std::function<bool()>& stop) const {
-  const Denoise forward = [&](NetworkInput input, SequenceState&) {
-    return network.forward(std::move(input));
+  const Denoise forward = [&](NetworkInput input, SequenceState& sequence) {
+    if (!sequence.memory.has_value()) sequence.memory = NetworkState();
+    return network.forward(std::move(input), std::any_cast<NetworkState&>(sequence.memory));
   };
   return run(forward, network.config().features, loss, group, stop);
 }
@@ -118,6 +136,7 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
   // One row for each frame; each process fills the rows of its own frames.
   const auto columns = static_cast<int64_t>(1 + metrics().size());
   const torch::Tensor table = torch::zeros({static_cast<int64_t>(frames_.size()), columns}, torch::kFloat64);
+  const torch::Tensor blocks = torch::zeros({samples_.targets ? blocks_ + 1 : 0}, torch::kFloat64);
   const std::set<size_t> shown_frames = shown(group);
   SequenceState state;
   bool stopped = false;
@@ -129,22 +148,42 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
     Augmentation whole;
     whole.width = width;
     whole.height = height;
-    Batch batch = part_of_frame(*frame.store, frame.index, features, samples_of(frame), whole);
-    ValidationPicture picture;
-    picture.name = frame.store->name(frame.index);
-    const bool is_shown = shown_frames.count(i) > 0;
-    if (is_shown) picture.noisy = mean_of_samples(batch.input);
-    state.advance(frame.place, width, height);
-    const torch::Tensor denoised = denoise(std::move(batch.input), state);
     double* row = table[static_cast<int64_t>(i)].data_ptr<double>();
-    *row++ = loss(denoised, batch.reference).item<double>();
-    picture.denoised = to_image(denoised.squeeze(0));
-    picture.reference = to_image(batch.reference.squeeze(0));
-    for (const Metric& metric : metrics()) *row++ = metric.compute(picture.denoised, picture.reference);
-    if (is_shown) result.pictures.push_back(std::move(picture));
+    state.advance(frame.place, width, height);
+    const SequenceState before = state;  // every turn follows the same frame
+    const int turns = turns_of(frame);
+    for (int turn = 0; turn < turns; ++turn) {
+      state = before;
+      Batch batch = read(frame, features, whole, turn);
+      ValidationPicture picture;
+      picture.name = frame.store->name(frame.index);
+      const bool is_shown = turn == 0 && shown_frames.count(i) > 0;
+      if (is_shown) picture.noisy = mean_of_samples(batch.input);
+      const torch::Tensor denoised = denoise(samples_.targets ? batch.input : std::move(batch.input), state);
+      row[0] += loss(denoised, batch.reference).item<double>() / turns;
+      picture.denoised = to_image(denoised.squeeze(0));
+      picture.reference = to_image(batch.reference.squeeze(0));
+      for (size_t m = 0; m < metrics().size(); ++m)
+        row[m + 1] += metrics()[m].compute(picture.denoised, picture.reference) / turns;
+      if (samples_.targets) {
+        const int spp = frame.store->spp(frame.index), targets = (spp - turn + turns - 1) / turns;
+        const std::vector<double> errors = block_errors(denoised, batch, targets);
+        double* sums = blocks.data_ptr<double>();
+        for (size_t k = 0; k < errors.size(); ++k)
+          sums[static_cast<size_t>(frame.first_block) + k] += errors[k] / turns;
+        sums[blocks_] +=
+            sample_correlation(denoised, batch).value_or(0) / turns / static_cast<double>(frames_.size());
+      }
+      if (is_shown) result.pictures.push_back(std::move(picture));
+    }
   }
   if (group.any(stopped, "validating")) return std::nullopt;
-  group.sum({table}, "validating");
+  group.sum({table, blocks}, "validating");
+  if (samples_.targets) {
+    const double* first = blocks.data_ptr<double>();
+    result.block_errors.assign(first, first + blocks_);
+    result.correlation = first[blocks_];
+  }
   const torch::Tensor means = table.mean(0);
   const double* mean = means.data_ptr<double>();
   result.scores[kLoss] = *mean++;

@@ -29,6 +29,18 @@ struct ValidationPicture {
 struct ValidationResult {
   std::map<std::string, double> scores;  // means over the frames: "validation_loss" and each metric
   std::vector<ValidationPicture> pictures;
+  // With targets from samples (training/held_out.h), on all processes:
+  std::vector<double> block_errors;  // of all frames
+  double correlation = 0;            // of samples, mean over the frames
+};
+
+/// How many samples of a frame enter, and what the picture is compared with.
+struct ValidationSamples {
+  int input = 0;  // the first so many of each frame, or all where it has fewer; 0: all
+  /// The mean of samples that do not enter takes the place of the reference: in turns, each quarter of them
+  /// (each one, of fewer than four), so that every sample is a target once. Scores are the means over the
+  /// turns.
+  bool targets = false;
 };
 
 class Validation {
@@ -36,13 +48,14 @@ class Validation {
   /// A frame of one [1, S, ...], denoised [1, 3, H, W]. The state has been told of the frame.
   using Denoise = std::function<torch::Tensor(NetworkInput input, SequenceState& state)>;
 
-  /// Up to `pictures` frames, spread evenly, are kept for looking at. Each frame enters with its first
-  /// `samples` samples, or all that it has where these are fewer; 0: all.
-  Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures, int samples = 0);
+  /// Up to `pictures` frames, spread evenly, are kept for looking at.
+  Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures,
+             ValidationSamples samples = {});
 
   /// Whether no data set has a validation split.
   bool empty() const { return frames_.empty(); }
   size_t frames() const { return frames_.size(); }
+  bool has_sample_targets() const { return samples_.targets; }
   int64_t pixels() const;  // of all frames together
 
   /// The frame that takes the most memory, which is in proportion to pixels times samples.
@@ -67,8 +80,12 @@ class Validation {
     FrameStore* store;
     size_t index;
     SequencePlace place;
+    int64_t first_block = 0;  // of its errors among those of all frames
   };
   int samples_of(const FrameOf& frame) const;
+  int turns_of(const FrameOf& frame) const;
+  Batch read(const FrameOf& frame, const std::vector<std::string>& features, const Augmentation& part,
+             int turn = 0) const;
   const FrameOf& largest() const;
   /// The frames of a process, by their numbers in the order in which it denoises them.
   std::vector<size_t> frames_of(const ProcessGroup& group) const;
@@ -77,8 +94,8 @@ class Validation {
   std::vector<std::unique_ptr<FrameStore>> stores_;
   std::vector<FrameOf> frames_;                 // of all stores
   std::vector<std::vector<size_t>> sequences_;  // of frames_ (sequence/sequence_runs.h); stills are their own
-  int64_t pictures_;
-  int samples_;
+  int64_t pictures_, blocks_ = 0;
+  ValidationSamples samples_;
 };
 
 }  // namespace ld

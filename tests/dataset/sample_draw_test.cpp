@@ -76,5 +76,11 @@ TEST(DrawnSamples, TheSameStreamGivesTheSame) {
   }
 }
 
+TEST(OtherSamples, AreTheRest) {
+  EXPECT_EQ(other_samples(5, {0, 3}), (SampleList{1, 2, 4}));
+  EXPECT_EQ(other_samples(3, {0, 1, 2}), SampleList());
+  EXPECT_EQ(other_samples(2, {}), (SampleList{0, 1}));
+}
+
 }  // namespace
 }  // namespace ld

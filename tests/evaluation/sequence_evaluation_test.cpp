@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "evaluation/statistics.h"
+#include "metrics/statistics.h"
 #include "evaluation/tables.h"
 #include "metrics/flip.h"
 #include "test_frames.h"

@@ -120,6 +120,31 @@ TEST(FrameFilter, CompressionDarkensNoiseAndIsUndoneWithoutIt) {
   EXPECT_NEAR(mean(denoise_once(filter("svgf", {"compress=none"}), noisy)), input, 0.03 * input);
 }
 
+TEST(FrameFilter, ALampThatGoesOutIsGoneWithinThreeFramesWithAntilag) {
+  // One noisy sample a pixel; what is left of the step, over the wall.
+  const auto left_after = [](const std::string& antilag, int frames) {
+    FrameFilter svgf(filter("svgf", {"antilag=" + antilag}));
+    SequenceState state;
+    double mean = 0;
+    for (int f = 0; f < 10 + frames; ++f) {
+      Frame frame = wall_frame(60, 40, 1, 0.8F, uint64_t(f));
+      if (f >= 10)
+        for (const int first : {kRadianceOffset, kDirectOffset, kIndirectOffset})
+          for (int c = first; c < first + 3; ++c)
+            for (size_t p = 0; p < frame.plane_size(); ++p) frame.plane(0, c)[p] *= 0.05F;
+      state.advance(SequencePlace{0, f}, frame.width, frame.height);
+      const Image picture = svgf.denoise(frame, state, 1);
+      double sum = 0;
+      for (const float v : picture.pixels) sum += v / double(picture.pixels.size());
+      if (f == 9) mean = sum;
+      if (f == 9 + frames) return (sum - 0.05 * mean) / (0.95 * mean);
+    }
+    return 1.0;
+  };
+  EXPECT_LT(std::abs(left_after("clip", 3)), 0.05);
+  EXPECT_GT(left_after("none", 3), 0.4) << "0.8^3";
+}
+
 TEST(FrameFilter, BrightPixelsAreBoundedByThoseAroundThem) {
   Frame frame = wall_frame(20, 20, 1, 0, 1);
   const size_t p = 10 * 20 + 10;

@@ -159,6 +159,18 @@ void ReferenceSvgf::estimate_variance(const Surfaces& surfaces, const DoublePlan
               sums[3] += w * moments[2 * s][size_t(v)][size_t(u)];
               sums[4] += w * moments[2 * s + 1][size_t(v)][size_t(u)];
             }
+          // What is lacking of four neighbours comes from all pixels with the id alike.
+          const double lacking = std::max(4 - total, 0.0);
+          double alike = 0, all[5] = {0, 0, 0, 0, 0};
+          for (int v = std::max(y - 3, 0); v <= std::min(y + 3, height - 1); ++v)
+            for (int u = std::max(x - 3, 0); u <= std::min(x + 3, width - 1); ++u) {
+              if (surfaces.of.at(u, v, kId) != surfaces.of.at(x, y, kId)) continue;
+              ++alike;
+              for (size_t c = 0; c < 3; ++c) all[c] += in[3 * s + c][size_t(v)][size_t(u)];
+              for (size_t m = 0; m < 2; ++m) all[3 + m] += moments[2 * s + m][size_t(v)][size_t(u)];
+            }
+          for (size_t i = 0; i < 5; ++i) sums[i] += lacking / alike * all[i];
+          total += lacking;
           for (size_t c = 0; c < 3; ++c) light[3 * s + c][size_t(y)][size_t(x)] = sums[c] / total;
           m1 = sums[3] / total;
           m2 = sums[4] / total;

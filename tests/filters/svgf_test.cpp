@@ -321,6 +321,57 @@ TEST(Svgf, LightThatIsSwitchedOffFadesAndIsGoneWithAntilag) {  // 2.9 i
     }
 }
 
+TEST(Svgf, AWireBorrowsTheLightOfItsOtherPixelsUntilItHasAHistory) {
+  // A wire of one pixel whose normals have nothing in common, and a dot that nothing resembles; of four
+  // samples one brings light.
+  const int width = 31, height = 400, column = 10;
+  Surfaces scene = flat_wall(width, height);
+  RowPlanes signals = filled(width, height, 3, [](int, int, int) { return 1.0F; });
+  const RowPlanes chance = noise(1, height, 3, 5);
+  double noisy = 0;
+  for (int y = 0; y < height; ++y) {
+    scene.of.at(column, y, kId) = 2;
+    scene.of.at(column, y, kNormalX + y % 3) = 1;
+    if (y % 3 != 2) scene.of.at(column, y, kNormalZ) = 0;
+    const float lit = chance.at(0, y, 0) > 0.6745F ? 4.0F : 0.0F;
+    noisy += (lit - 1.0) * (lit - 1.0) / height;
+    for (int c = 0; c < 3; ++c) signals.at(column, y, c) = lit;
+  }
+  scene.of.at(20, 20, kId) = 3;
+  for (int c = 0; c < 3; ++c) signals.at(20, 20, c) = 0.5F;
+  SvgfSettings settings = no_feedback();
+  RowPlanes slopes, light, moments, spare;
+  depth_slopes(scene, slopes, 1);
+  accumulate(scene, slopes, signals, {}, settings, light, moments, 1);
+  estimate_variance(scene, slopes, moments, light, spare, settings, 1);
+  double left = 0;
+  for (int y = 3; y + 3 < height; ++y) {
+    left += std::pow(double(light.at(column, y, 0)) - 1, 2) / (height - 6);
+    ASSERT_FLOAT_EQ(light.at(column - 1, y, 0), 1) << "nothing reaches another surface";
+  }
+  // w = 1 of its own and of those with its normal, three pixels away (3 of 7 in all): 1 of 4 is lacking,
+  // shared among 7.
+  const double own = (1 + 1.0 / 7) / 4, others = (1.0 / 7) / 4;
+  EXPECT_NEAR(left / noisy, 3 * own * own + 4 * others * others, 0.06);
+  EXPECT_EQ(light.at(20, 20, 0), 0.5F);
+}
+
+TEST(Svgf, WithoutLevelsItIsTheAccumulatedLight) {
+  SvgfSettings settings = no_feedback();
+  settings.levels = 0;
+  Sequence sequence{settings};
+  for (int f = 0; f < 5; ++f) {
+    const RowPlanes out =
+        sequence(flat_wall(20, 20),
+                 filled(20, 20, 3, [&](int, int x, int y) { return float((3 * x + 5 * y + f) % 11); }));
+    double mean = 0;
+    for (int g = 0; g <= f; ++g) mean += double((3 * 7 + 5 * 9 + g) % 11) / (f + 1);
+    EXPECT_NEAR(out.at(7, 9, 1), mean, 1e-5) << f;
+  }
+  settings.feedback = 0;
+  EXPECT_THROW(check_settings(settings), UsageError);
+}
+
 TEST(Svgf, ShortSequencesRestartLikeColdOnesAndGoOnWithAPassedState) {  // 2.9 l
   const int width = 50, height = 40;
   const auto frame = [&](int f) {

@@ -71,6 +71,38 @@ TEST_P(CyclesParts, PassesAndGroupsSumToCombinedInEverySample) {
   EXPECT_EQ(one.parts[0].name, "light_rim light");
 }
 
+TEST_P(CyclesParts, DirectIndirectAndEmittedLightAreFeaturesThatSumToTheRadiance) {
+  const ImportedFrame imported = import({});
+  const Frame& frame = imported.frame;
+  for (const char* name : {"direct", "indirect", "emission"}) EXPECT_TRUE(frame.holds(name)) << name;
+  EXPECT_EQ(
+      std::count(imported.taken.begin(), imported.taken.end(), "indirect: radiance - direct - emission"), 1);
+  const Frame parts = import({"*_direct", "emitted", "environment"}).frame;
+  ASSERT_EQ(parts.parts.size(), 5u);
+  double indirect = 0;
+  for (int s = 0; s < frame.spp; ++s)
+    for (int c = 0; c < 3; ++c)
+      for (size_t p = 0; p < frame.plane_size(); ++p) {
+        const double d = frame.plane(s, kDirectOffset + c)[p], i = frame.plane(s, kIndirectOffset + c)[p],
+                     e = frame.plane(s, kEmissionOffset + c)[p];
+        ASSERT_NEAR(d + i + e, frame.plane(s, kRadianceOffset + c)[p], 1e-5);
+        double direct = 0, emitted = 0;
+        for (size_t part = 0; part < 5; ++part) {
+          const bool is_direct = parts.parts[part].name.find("direct") != std::string::npos;
+          (is_direct ? direct : emitted) += double(parts.part_plane(part, s, c)[p]);
+        }
+        ASSERT_NEAR(d, direct, 1e-5);
+        ASSERT_NEAR(e, emitted, 1e-5);
+        indirect += i;
+      }
+  EXPECT_GT(indirect, 0);
+  // Without one of the two nothing is split.
+  const Frame whole =
+      import_frame(files_, cycles_with({"parts=[\"emission = *.Emit | *.Emission\"]"}), std::nullopt, false)
+          .frame;
+  EXPECT_FALSE(whole.holds("direct") || whole.holds("indirect") || whole.holds("emission"));
+}
+
 TEST_P(CyclesParts, SayWhatTheyAreMadeOf) {
   const std::vector<std::string> taken = import({"diffuse_direct"}).taken;
   const std::string expected = GetParam()

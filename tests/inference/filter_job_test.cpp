@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "frame/frame_file.h"
+#include "inference/blend.h"
 #include "inference/denoise_job.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
@@ -16,14 +17,16 @@ class FilterJob : public ::testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   /// Frames walk.N.exr of a camera that stands still.
-  void write_walk(const std::vector<int>& numbers) const {
+  void write_walk(const std::vector<int>& numbers, int spp = 1) const {
     for (const int number : numbers) {
-      Frame frame = random_frame(24, 18, 1, uint32_t(number));
+      Frame frame = random_frame(24, 18, spp, uint32_t(number));
       frame.features.emplace_back("flow");
       for (size_t p = 0; p < frame.plane_size(); ++p) {
-        for (int c = kNormalOffset; c < kDepthOffset; ++c)
-          frame.plane(0, c)[p] = c == kNormalOffset + 2 ? 1 : 0;
-        frame.plane(0, kDepthOffset)[p] = 4;
+        for (int s = 0; s < spp; ++s) {
+          for (int c = kNormalOffset; c < kDepthOffset; ++c)
+            frame.plane(s, c)[p] = c == kNormalOffset + 2 ? 1 : 0;
+          frame.plane(s, kDepthOffset)[p] = 4;
+        }
       }
       frame.info.depth_scale = 4;
       write_frame(path(fmt::format("walk.{}.exr", number)), frame);
@@ -63,6 +66,41 @@ TEST_F(FilterJob, DenoisesEveryFrameOfASequenceAndRestartsAtAHole) {
     run_denoise_job(job(kind, "walk.6.exr", "alone.6.exr"));
     EXPECT_EQ(pixels(path(kind + ".6.exr")) == pixels(path("alone.6.exr")), kind == "eaw");
   }
+}
+
+TEST_F(FilterJob, BlendsByHalvesThatHaveAMemoryOfTheirOwn) {
+  write_walk({1, 2, 3}, 6);
+  for (const std::string kind : {"eaw", "svgf"}) {
+    DenoiseJob blending = job(kind, "walk.#.exr", kind + ".#.exr");
+    blending.blend = true;
+    EXPECT_TRUE(run_denoise_job(blending).failed.empty());
+    FrameFilter filter({kind, kind, {}});
+    SequenceState whole, first, second;
+    for (const int number : {1, 2, 3}) {
+      Faults faults;
+      const Frame frame = read_frame(path(fmt::format("walk.{}.exr", number)), {"radiance"}, faults);
+      const auto denoised = [&](const Frame& of, SequenceState& state) {
+        state.advance(SequencePlace{0, number}, frame.width, frame.height);
+        return filter.denoise(of, state, 1);
+      };
+      const Image picture = denoised(frame, whole);
+      const Blended blended = blend_with_mean(frame, picture, denoised(half_of(frame, 0), first),
+                                              denoised(half_of(frame, 1), second));
+      EXPECT_EQ(pixels(path(fmt::format("{}.{}.exr", kind, number))), blended.picture.pixels);
+      EXPECT_NE(picture.pixels, blended.picture.pixels);
+    }
+  }
+}
+
+TEST_F(FilterJob, BlendingLeavesOneSampleAloneAndGoesWithThePictureAlone) {
+  write_walk({1});
+  DenoiseJob blending = job("eaw", "walk.1.exr", "blended.exr");
+  blending.blend = true;
+  run_denoise_job(blending);
+  run_denoise_job(job("eaw", "walk.1.exr", "plain.exr"));
+  EXPECT_EQ(pixels(path("blended.exr")), pixels(path("plain.exr")));
+  blending.layers = true;
+  EXPECT_ERROR(run_denoise_job(blending), "--blend goes with the picture alone");
 }
 
 TEST_F(FilterJob, RefusesWhatGoesWithModels) {

@@ -198,6 +198,27 @@ TEST(SequenceMeter, ALightThatGoesOffIsAChange) {
   EXPECT_GT(measured.values[te], 0.1);
 }
 
+TEST(SequenceMeter, TheTrailIsToldThroughNoiseOfPictureAndReference) {
+  // A lamp goes off at frame 2; both pictures have noise that is a fifth of what light is left.
+  const auto still = [](int) { return facing_wall(64, 48); };
+  const auto lit = [](int t, double left, int number) {
+    RandomStream stream(5, RandomPurpose::test, static_cast<uint32_t>(100 * number + t));
+    return picture(64, 48,
+                   [&](int, int, int) { return (t < 2 ? 0.8 : 0.3 + 0.5 * left) + 0.06 * stream.normal(); });
+  };
+  const auto trail_of = [&](double kept) {  // each frame keeps so much of the one before
+    const auto lagging = [&](int t) { return lit(t, t < 2 ? 0 : std::pow(kept, t - 1), 1); };
+    const auto noisy = [&](int t) { return lit(t, 0, 2); };
+    return measure(
+               12, still, [&](int t) { return lit(t, 0, 3); }, lagging, noisy)
+        .values[trail];
+  };
+  EXPECT_EQ(trail_of(0), 0);
+  EXPECT_EQ(trail_of(0.2), 1) << "0.2^2 < 0.05";
+  EXPECT_EQ(trail_of(0.5), 4) << "0.5^5 < 0.05";
+  EXPECT_EQ(trail_of(0.8), kChangedFrames);
+}
+
 TEST(SequenceMeter, TheFirstFramesErrorStandsBesideThatOfTheLastOnes) {
   const auto better = measure_still(20, 20, 8, [](int t) {
     return picture(20, 20, [t](int c, int x, int y) { return texture(c, x, y) + (t == 0 ? 0.15 : 0.05); });

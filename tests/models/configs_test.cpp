@@ -18,8 +18,10 @@ namespace fs = std::filesystem;
 std::map<std::string, TrainConfig> all_configs() {
   std::map<std::string, TrainConfig> configs;
   for (const auto& file : fs::directory_iterator(fs::path(LD_SOURCE_DIR) / "configs"))
-    if (file.path().extension() == ".yaml")
-      configs[file.path().stem().string()] = read_train_config(file.path());
+    if (file.path().extension() == ".yaml") {
+      const TrainConfig config = read_train_config(file.path());
+      if (!config.network.of_init()) configs[file.path().stem().string()] = config;
+    }
   return configs;
 }
 

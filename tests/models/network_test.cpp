@@ -179,6 +179,7 @@ TEST(Network, EveryNetworkDenoisesAndTrains) {
     for (const auto& entry : network->named_parameters()) {
       ASSERT_TRUE(entry.value().grad().defined()) << title(config) << " " << entry.key();
       EXPECT_TRUE(all_finite(entry.value().grad())) << title(config) << " " << entry.key();
+      if (entry.key().rfind("history.", 0) == 0) continue;  // a first frame has none (history_test.cpp)
       EXPECT_GT(entry.value().grad().abs().max().item<double>(), 0) << title(config) << " " << entry.key();
     }
   }

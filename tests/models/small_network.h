@@ -22,6 +22,7 @@ inline std::vector<NetworkConfig> every_config() {
     demodulating.demodulation = "albedo";
     demodulating.logit_bound = 4;
     demodulating.rejection = network_traits(name).filter == Filter::splat;
+    if (network_traits(name).remembers) demodulating.features.emplace_back("flow");
     configs.push_back(demodulating);
     config.compositing = "weighted";
     try {
@@ -97,8 +98,8 @@ inline void scale_logits(Network& network, double scale) {
   }
 }
 
-/// Xavier weights, and biases that are not 0, in the wanted type. The weights of rejection, which begin at 0,
-/// differ from it, or nobody would notice a wrong one.
+/// Xavier weights, and biases that are not 0, in the wanted type. Those weights of rejection and history that
+/// begin at 0 differ from it, or nobody would notice a wrong one.
 inline std::shared_ptr<Network> small_network(const NetworkConfig& config, torch::ScalarType type,
                                               uint64_t seed = 1) {
   const auto network = make_network(config);
@@ -111,6 +112,8 @@ inline std::shared_ptr<Network> small_network(const NetworkConfig& config, torch
   auto named = network->named_parameters();
   if (auto* weight = named.find("rejection.weight.0.weight"))
     weight->copy_(random_normal(weight->sizes(), 99, 0.05));
+  if (auto* weight = named.find("history.gate.1.weight"))
+    weight->copy_(random_normal(weight->sizes(), 98, 0.3));
   return network;
 }
 

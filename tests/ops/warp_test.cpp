@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ops/kernels/warp_taps.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/gradient_check.h"
 
@@ -124,6 +125,61 @@ TEST(Warp, GradientsAgreeWithFiniteDifferences) {
   expect_gradients([&](const std::vector<Tensor>& in) { return warp(in[0], flow, valid).values; }, {values});
 }
 
+/// Surfaces of two depths and two normals, in stripes and as noise.
+WarpGuides striped_guides(int64_t h, int64_t w) {
+  const auto surfaces = [&](uint32_t seed) {
+    Tensor planes = torch::zeros({1, 4, h, w}, torch::kFloat64);
+    planes.select(1, 0) = 0.5 + 0.2 * random_uniform({1, h, w}, seed).gt(0.5).to(torch::kFloat64);
+    planes.select(1, 3) = 1 - 2 * random_uniform({1, h, w}, seed + 1).gt(0.7).to(torch::kFloat64);
+    return planes;
+  };
+  return {surfaces(11), surfaces(21)};
+}
+
+// A tap that shows another surface is as one that is not valid.
+TEST(Warp, GuidesLeaveOtherSurfacesOut) {
+  const int64_t h = 6, w = 9;
+  const WarpGuides guides = striped_guides(h, w);
+  const Tensor values = random_normal({1, 3, h, w}, 1), flow = random_normal({1, 2, h, w}, 2, 0.7);
+  const Warped warped = warp(values, flow, everywhere_valid(h, w), guides);
+  int64_t differ = 0;
+  for (int64_t y = 0; y < h; ++y)
+    for (int64_t x = 0; x < w; ++x) {
+      const Tensor here = guides.now.select(3, x).select(2, y).view({1, 4, 1, 1});
+      const Tensor same = guides.before.eq(here).all(1, true).to(torch::kFloat64);
+      const double expected = looked_up(values, flow, same, 0, y, x);
+      differ += std::isnan(expected) ? 1 : 0;
+      EXPECT_EQ(warped.valid[0][0][y][x].item<double>(), std::isnan(expected) ? 0 : 1) << x << ", " << y;
+      EXPECT_NEAR(warped.values[0][0][y][x].item<double>(), std::isnan(expected) ? 0 : expected, 1e-12);
+    }
+  EXPECT_GT(differ, 0);
+  const Tensor zeros = torch::zeros({1, 4, h, w}, torch::kFloat64);
+  EXPECT_TRUE(warp(values, flow, everywhere_valid(h, w), {zeros, zeros})
+                  .values.equal(warp(values, flow, everywhere_valid(h, w)).values));
+  const Tensor nothing = torch::full({1, 4, h, w}, kNever);
+  EXPECT_EQ(warp(values, flow, everywhere_valid(h, w), {nothing.to(torch::kFloat64), guides.before})
+                .valid.sum()
+                .item<double>(),
+            0);
+  expect_gradients(
+      [&](const std::vector<Tensor>& in) { return warp(in[0], flow, everywhere_valid(h, w), guides).values; },
+      {values.clone().requires_grad_(true)});
+}
+
+TEST(Warp, EscapedRaysAreOneSurfaceAndDepthsMayDifferByAQuarter) {
+  const auto same = [](double a, double b) {
+    return may_be_same_surface(GuideSurface<float>{float(a), 0, 0, 1},
+                               GuideSurface<float>{float(b), 0, 0, 1});
+  };
+  EXPECT_TRUE(same(1, 1));
+  EXPECT_TRUE(same(0, 0));
+  EXPECT_FALSE(same(1, 0.99));
+  EXPECT_FALSE(same(0, 0.01));
+  EXPECT_TRUE(same(0.5, 1.24 / 2.24));
+  EXPECT_FALSE(same(0.5, 1.26 / 2.26));
+  EXPECT_FALSE(same(0.5, kNever));
+}
+
 TEST(Warp, ThreadsChangeNoBit) {
   const Tensor flow = random_normal({2, 2, 40, 50}, 2, 3).to(torch::kFloat32);
   const Tensor valid = torch::ones({2, 1, 40, 50});
@@ -145,6 +201,9 @@ TEST(Warp, BadShapesAreErrors) {
   const Tensor values = torch::ones({1, 3, 4, 5});
   EXPECT_ERROR(warp(values, torch::ones({1, 2, 4, 4}), torch::ones({1, 1, 4, 5})), "warp: flow");
   EXPECT_ERROR(warp(values, torch::ones({1, 2, 4, 5}), torch::ones({1, 3, 4, 5})), "warp: valid");
+  EXPECT_ERROR(
+      warp(values, torch::ones({1, 2, 4, 5}), torch::ones({1, 1, 4, 5}), {torch::ones({1, 4, 4, 5}), {}}),
+      "warp: guides");
   EXPECT_ERROR(warp(values.to(torch::kInt), torch::ones({1, 2, 4, 5}), torch::ones({1, 1, 4, 5})),
                "warp: values");
 }

@@ -267,7 +267,7 @@ namespace {
 
 Filtered filtered(const std::string& name, const Samples& samples, const Parameters& parameters,
                   const NetworkLayout& layout) {
-  if (name == "layer") return layer(samples, parameters, layout);
+  if (name == "layer" || name == "layer_history") return layer(samples, parameters, layout);
   if (name == "sample_splat") return sample_splat(samples, parameters, layout);
   if (name == "pixel_blend") return pixel_blend(samples, parameters, layout);
   if (name == "pixel_gather") return pixel(samples, parameters, layout, true);

@@ -1,9 +1,11 @@
-// Networks that keep nothing from frame to frame train on clips as on so many single frames.
+// Training on clips: networks that keep nothing from frame to frame take them for so many single frames,
+// networks that remember go through them in order.
 #include <gtest/gtest.h>
 
 #include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/training/tiny_training.h"
+#include "training/clip_pass.h"
 #include "training/training_data.h"
 
 namespace ld {
@@ -43,7 +45,7 @@ TEST(ClipTraining, TheLossIsTheMeanOverAllFrames) {
   }
   ProcessGroup alone{ProcessGroupOptions{}};
   Optimizer optimizer(network, config.optimizer);
-  const Optimizer::Outcome outcome = optimizer.step(set, 0, loss, 0.01, 1, alone);
+  const Optimizer::Outcome outcome = optimizer.step(set, 0, make_clip_loss({}, loss), 0.01, 1, alone);
   EXPECT_TRUE(outcome.taken);
   EXPECT_NEAR(outcome.loss, sum / 6, 1e-5);
 }
@@ -64,6 +66,83 @@ TEST(ClipTraining, ARunContinuesWithTheClipsThatItWouldHaveHad) {
   EXPECT_TRUE(last_checkpoint(folder / "whole") == last_checkpoint(folder / "parts"));
   config.data.clip = 2;
   EXPECT_ERROR(Trainer(config, folder / "parts"), "there 'clip: 3', here 'clip: 2'");
+}
+
+/// The same with a network that remembers.
+TrainConfig remembering_config(const std::filesystem::path& data) {
+  TrainConfig config = clip_config(data);
+  config.network.name = "layer_history";
+  config.network.features = {"radiance", "normal", "depth"};  // nothing moves
+  config.network.history = {4};
+  config.clip_loss = {0.8, 0, 0.1, 2};
+  return config;
+}
+
+std::shared_ptr<Network> network_of(const TrainConfig& config) {
+  std::shared_ptr<Network> network = make_network(config.network);
+  initialise(*network, 1);
+  return network;
+}
+
+// Batched and unrolled with its graph, a clip gives the bits that its frames give one after the other.
+TEST(ClipTraining, FrameByFrameIsUnrolledBitForBit) {
+  const TemporaryFolder folder;
+  const TrainConfig config = remembering_config(folder.path());
+  TrainingSet set = make_training_set(config);
+  const std::shared_ptr<Network> network = network_of(config);
+  const Batch batch = set.batch(0);
+  const torch::Tensor unrolled = batch.by_clip(denoise_clips(*network, batch.input, batch.clip));
+  ASSERT_EQ(unrolled.sizes(), (std::vector<int64_t>{2, 3, 3, 8, 8}));
+  const torch::NoGradGuard no_graph;
+  for (int64_t clip = 0; clip < 2; ++clip) {
+    NetworkState state;
+    for (int64_t f = 0; f < 3; ++f) {
+      const NetworkInput frames = frame_of_clips(batch.input, batch.clip, f);
+      const NetworkInput frame = {frames.features.narrow(0, clip, 1), frames.radiance.narrow(0, clip, 1),
+                                  frames.valid.narrow(0, clip, 1)};
+      EXPECT_TRUE(network->forward(frame, state).equal(unrolled.narrow(0, clip, 1).select(1, f))) << f;
+      EXPECT_EQ(f > 0, !network->forward(frame).equal(unrolled.narrow(0, clip, 1).select(1, f))) << f;
+    }
+  }
+}
+
+TEST(ClipTraining, TruncationCutsGradientsAndNothingElse) {
+  const TemporaryFolder folder;
+  const TrainConfig config = remembering_config(folder.path());
+  TrainingSet set = make_training_set(config);
+  const Batch batch = set.batch(0);
+  const auto gradient_of_first_frame = [&](int64_t truncation, torch::Tensor& pictures) {
+    const std::shared_ptr<Network> network = network_of(config);
+    NetworkInput input = batch.input;
+    input.radiance = input.radiance.detach().clone().set_requires_grad(true);
+    pictures = denoise_clips(*network, input, batch.clip, truncation);
+    const torch::Tensor last = batch.by_clip(pictures).select(1, 2);
+    return batch.by_clip(torch::autograd::grad({last.sum()}, {input.radiance})[0])
+        .select(1, 0)
+        .abs()
+        .sum()
+        .item<double>();
+  };
+  torch::Tensor whole, cut, at_third;
+  EXPECT_GT(gradient_of_first_frame(0, whole), 0);
+  EXPECT_EQ(gradient_of_first_frame(1, cut), 0);
+  EXPECT_EQ(gradient_of_first_frame(2, at_third), 0);
+  EXPECT_TRUE(whole.equal(cut) && whole.equal(at_third));
+}
+
+TEST(ClipTraining, ANetworkThatRemembersContinuesBitForBit) {
+  const TemporaryFolder folder;
+  TrainConfig config = remembering_config(folder / "data");
+  config.optimizer.truncation = 2;
+  Trainer whole(config, folder / "whole");
+  whole.train();
+  config.run.max_steps = 3;
+  Trainer(config, folder / "parts").train();
+  config.run.max_steps = 4;
+  Trainer(config, folder / "parts").train();
+  EXPECT_TRUE(last_checkpoint(folder / "whole") == last_checkpoint(folder / "parts"));
+  config.optimizer.truncation = 0;
+  EXPECT_ERROR(Trainer(config, folder / "parts"), "truncation: 2");
 }
 
 TEST(ClipTraining, StillFramesHaveNoClips) {

@@ -35,7 +35,7 @@ TEST(Optimizer, AdamwIsLibTorchsForWeightsAndAdamForBiases) {
       options(0));
 
   for (int64_t step = 0; step < 5; ++step) {
-    EXPECT_TRUE(ours.step(set, step, loss, 0.02, step + 1, alone).taken);
+    EXPECT_TRUE(ours.step(set, step, make_clip_loss({}, loss), 0.02, step + 1, alone).taken);
     Batch batch = set.batch(step);
     loss(other->forward(std::move(batch.input)), batch.reference).backward();
     theirs.step();
@@ -61,8 +61,8 @@ TEST(Optimizer, AccumulatingTrainsAsTheLargerBatchDoes) {
     std::vector<double> seen;
     // At first without a step, so that all see the same weights; then with small ones.
     for (int64_t step = 0; step < 12; ++step) {
-      const Optimizer::Outcome outcome =
-          optimizer.step(set, step, make_loss("smape"), step < 6 ? 0 : 1e-4, step + 1, alone);
+      const Optimizer::Outcome outcome = optimizer.step(set, step, make_clip_loss({}, make_loss("smape")),
+                                                        step < 6 ? 0 : 1e-4, step + 1, alone);
       seen.push_back(outcome.loss);
       seen.push_back(outcome.gradient);
     }

@@ -75,13 +75,13 @@ TEST(DataSets, TrainsOnSeveralAndValidatesOnAll) {
 TEST(Samples, ARangeIsTwoNumbersInOrder) {
   DataConfig config;
   EXPECT_TRUE(sample_range(config).all());
-  EXPECT_EQ(validation_samples(config), 0);
+  EXPECT_EQ(validation_samples(config).input, 0);
   config.samples = {2, 8};
   EXPECT_EQ(sample_range(config).least, 2);
   EXPECT_EQ(sample_range(config).most, 8);
-  EXPECT_EQ(validation_samples(config), 8);
+  EXPECT_EQ(validation_samples(config).input, 8);
   config.validation_samples = 4;
-  EXPECT_EQ(validation_samples(config), 4);
+  EXPECT_EQ(validation_samples(config).input, 4);
   config.samples = {8, 2};
   EXPECT_ERROR(sample_range(config), "data.samples: [8, 2]; expected [LEAST, MOST]");
   config.samples = {8};
@@ -174,7 +174,7 @@ TEST(AutoFeatures, AreFoundKeptAndContinuedWith) {
   const auto provenance = nlohmann::json::parse(read_weights_header(weights).provenance);
   EXPECT_EQ(provenance.at("seed"), config.seed);
   EXPECT_EQ(provenance.at("loss"), config.loss);
-  EXPECT_EQ(provenance.at("dataset"), manifests_checksum(config.data));
+  EXPECT_EQ(provenance.at("dataset"), data_checksum(config.data));
   EXPECT_GT(provenance.at("steps"), 0);
   EXPECT_GT(provenance.at("validation_loss"), 0);
   EXPECT_EQ(provenance.at("program"), "ld_train " LD_VERSION);

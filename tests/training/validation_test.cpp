@@ -91,7 +91,7 @@ TEST(Validation, AProcessWalksWholeSequencesAndTheScoresStay) {
   });
 }
 
-// A network keeps no state: in a sequence, and as stills, frames give the picture that they give alone.
+// Of a network of single frames: in a sequence, and as stills, frames give the picture that they give alone.
 TEST(Validation, PicturesOfNetworksDoNotKnowOfSequences) {
   const TemporaryFolder folder;
   const TrainConfig config = tiny_config(folder.path(), 1);
@@ -126,6 +126,32 @@ TEST(Validation, PicturesOfNetworksDoNotKnowOfSequences) {
   }
   for (size_t m = 0; m < metrics().size(); ++m)
     EXPECT_NEAR(result->scores.at(metrics()[m].name), sums[m] / 4, 1e-12);
+}
+
+// A network that remembers has its state along each sequence, and none at its start.
+TEST(Validation, NetworksThatRememberHaveTheirState) {
+  const TemporaryFolder folder;
+  write_tiny_sequences(folder.path(), {3, 2}, "validation");
+  TrainConfig config = tiny_config(folder.path(), 1);
+  config.network.name = "layer_history";
+  config.network.features = kSeen;  // nothing moves
+  const std::shared_ptr<Network> network = make_network(config.network);
+  initialise(*network, 1);
+  ProcessGroup alone{ProcessGroupOptions{}};
+  const Validation validation = validation_of({folder.path()}, 5, config.network.features);
+  const auto result = validation.run(*network, make_loss("smape"), alone, never());
+  ASSERT_EQ(result->pictures.size(), 5u);
+  FrameStore store(folder.path(), "validation", config.network.features, {"none", 0});
+  const torch::NoGradGuard no_graph;
+  NetworkState state;
+  for (size_t i = 0; i < 5; ++i) {
+    if (i == 3) state.clear();
+    Augmentation whole;
+    whole.width = whole.height = 16;
+    const Batch batch = make_batch({{store.get(i), whole}}, config.network.features);
+    const Image expected = to_image(network->forward(batch.input, state).squeeze(0));
+    EXPECT_EQ(result->pictures[i].denoised.pixels, expected.pixels) << i;
+  }
 }
 
 // The frame is larger than the piece of it that is measured.

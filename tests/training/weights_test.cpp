@@ -85,7 +85,7 @@ TEST(Accumulation, IsTheGradientOfTheMeanOverAllBatches) {
   config.optimizer.accumulate = 3;
   Optimizer optimizer(network, config.optimizer);
   ProcessGroup alone{ProcessGroupOptions{}};
-  const Optimizer::Outcome outcome = optimizer.step(set, 2, loss, 0.001, 1, alone);
+  const Optimizer::Outcome outcome = optimizer.step(set, 2, make_clip_loss({}, loss), 0.001, 1, alone);
   EXPECT_TRUE(outcome.taken);
   EXPECT_NEAR(outcome.loss, mean.item<double>(), 1e-6 * outcome.loss);
   EXPECT_NEAR(outcome.gradient, norm, 1e-5 * norm);

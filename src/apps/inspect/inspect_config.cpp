@@ -58,7 +58,7 @@ void inspect_config(Report& report) {
     const auto config = config_from_tree<TrainConfig>(root);
     NetworkConfig network = config.network;
     if (network.auto_features()) network.features = auto_feature_names();  // any of them may come out
-    check_network(network);
+    if (!network.of_init()) check_network(network);
     report.facts["network"] = config.network.name;
     report.facts["features"] = config.network.features;
     report.facts["loss"] = config.loss;

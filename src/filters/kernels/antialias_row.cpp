@@ -48,6 +48,7 @@ HWY_INLINE hn::Mask<D> nearest_taps(D d, const AntialiasRow& row, int64_t x, Bil
   taps.x[1] = hn::ConvertTo(di, hn::Min(hn::Add(left, one), last_x));
   taps.y[0] = hn::ConvertTo(di, top);
   taps.y[1] = hn::ConvertTo(di, hn::Min(hn::Add(top, one), last_y));
+  taps.settle();
   const V gx = hn::Sub(one, fx), gy = hn::Sub(one, fy);
   taps.weight[0] = hn::Mul(gx, gy);
   taps.weight[1] = hn::Mul(fx, gy);

@@ -20,7 +20,8 @@ HWY_NOINLINE void eaw_row(const LevelRow& row, const EawPrecision& precision) {
   const V light = hn::Set(d, -kLog2E * precision.light), normal = hn::Set(d, -kLog2E * precision.normal),
           place = hn::Set(d, -kLog2E * precision.place);
   const V largest = hn::Set(d, std::numeric_limits<float>::max());  // times a precision of 0 it is 0
-  for (int64_t x = 0; x < row.width; x += lanes()) {
+  for (int64_t x = row.first; x < row.end; x += lanes()) {
+    fetch_ahead(row, x);
     const float* here = row.surfaces + x;
     const Colour n_p = load_colour(d, here + kNormalX * pitch, pitch);
     const Colour x_p = load_colour(d, here + kPositionX * pitch, pitch);

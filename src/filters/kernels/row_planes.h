@@ -3,11 +3,28 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include "frame/frame.h"
 
 namespace ld {
+
+/// ZeroPages that begin at a cache line: half of the vectors of a row would lie across two otherwise.
+template <class T>
+struct ZeroLines : ZeroPages<T> {
+  static constexpr size_t kLine = 64;
+  ZeroLines() = default;
+  template <class U>
+  ZeroLines(const ZeroLines<U>& /*other*/) noexcept {}
+  T* allocate(size_t count) {
+    char* const memory = static_cast<char*>(zero_pages(count * sizeof(T) + 2 * kLine, 1));
+    char* const line = memory + (2 * kLine - reinterpret_cast<uintptr_t>(memory) % kLine);
+    reinterpret_cast<char**>(line)[-1] = memory;
+    return reinterpret_cast<T*>(line);
+  }
+  void deallocate(T* line, size_t /*count*/) noexcept { std::free(reinterpret_cast<char**>(line)[-1]); }
+};
 
 /// [height][planes][margin, width, margin] floats. A load may begin up to kMargin floats before a row and end
 /// as far behind it: taps beyond the left and right border need no test where the margin holds what counts
@@ -56,7 +73,7 @@ class RowPlanes {
 
   int width_ = 0, height_ = 0, planes_ = 0;
   int64_t pitch_ = 0, row_pitch_ = 0;
-  std::vector<float, ZeroPages<float>> memory_;
+  std::vector<float, ZeroLines<float>> memory_;
 };
 
 /// Makes `planes` of that size; what it held may stay. Memory that is kept costs no page faults.

@@ -41,18 +41,17 @@ HWY_INLINE hn::Mask<D> find_taps(D d, const AccumulateRow& row, int64_t x, Bilin
   py = hn::IfThenElseZero(near_picture, py);
   const V left = hn::Floor(px), top = hn::Floor(py), fx = hn::Sub(px, left), fy = hn::Sub(py, top);
   for (int i = 0; i < 2; ++i) taps.x[i] = hn::ConvertTo(di, hn::Add(left, hn::Set(d, float(i))));
+  const V last = hn::Set(d, float(row.height - 1));
+  for (int j = 0; j < 2; ++j)
+    taps.y[j] = hn::ConvertTo(di, hn::Min(hn::Max(hn::Add(top, hn::Set(d, float(j))), zero), last));
+  taps.settle();
   V total = zero;
   for (int j = 0; j < 2; ++j) {
     const V v = hn::Add(top, hn::Set(d, float(j)));
-    const V last = hn::Set(d, float(row.height - 1));
     const auto inside = hn::And(near_picture, hn::And(hn::Ge(v, zero), hn::Le(v, last)));
-    taps.y[j] = hn::ConvertTo(di, hn::Min(hn::Max(v, zero), last));
     for (int i = 0; i < 2; ++i) {
-      const PlaneView& before = row.surfaces_before;
-      const VI index = hn::Add(hn::Mul(taps.y[j], hn::Set(di, int32_t(before.row_pitch))), taps.x[i]);
-      const auto gathered = [&](int plane) HWY_ATTR {
-        return hn::GatherIndex(d, before.data + plane * before.pitch, index);
-      };
+      const auto gathered = [&](int plane)
+                                HWY_ATTR { return taps.tap(d, row.surfaces_before, plane, 2 * j + i); };
       const V cosine = dot(normal, {gathered(kNormalX), gathered(kNormalY), gathered(kNormalZ)});
       const auto same = hn::And(hn::And(inside, hn::Eq(gathered(kId), id)),
                                 hn::And(hn::Le(hn::Abs(hn::Sub(gathered(kDepth), depth)), tolerance),
@@ -89,6 +88,45 @@ HWY_INLINE V blend_channel(D d, const BilinearTaps& taps, const AccumulateRow& r
   return hn::MulAdd(share, now, hn::Mul(hn::Sub(hn::Set(d, 1.0F), share), history));
 }
 
+void bounds_row(const HistoryBoundsRow& row) {
+  const D d;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0F), most_s = hn::Set(d, kLargestMoment);
+  const int64_t pitch = row.pitch;
+  float *const counts = row.columns, *const sums = counts + pitch, *const squares = sums + pitch;
+  for (int p = 0; p < row.planes; ++p) {
+    // Sums of five rows, margins and all: their ids are NaN.
+    for (int64_t x = -lanes(); x < row.width + lanes(); x += lanes()) {
+      V count = zero, sum = zero, square = zero;
+      for (size_t j = 0; j < 5; ++j) {
+        if (row.ids[j] == nullptr) continue;
+        const V id = hn::LoadU(d, row.ids[j] + x), signal = hn::LoadU(d, row.signals[j] + p * pitch + x);
+        const auto any = hn::Eq(id, id);
+        const V s = hn::IfThenElseZero(any, hn::Min(hn::Max(signal, hn::Neg(most_s)), most_s));
+        count = hn::Add(count, hn::IfThenElseZero(any, one));
+        sum = hn::Add(sum, s);
+        square = hn::MulAdd(s, s, square);
+      }
+      hn::StoreU(count, d, counts + x);
+      hn::StoreU(sum, d, sums + x);
+      hn::StoreU(square, d, squares + x);
+    }
+    float* const least = row.bounds + 2 * p * pitch;
+    for (int64_t x = 0; x < row.width; x += lanes()) {
+      const auto five = [&](const float* a) HWY_ATTR {
+        V sum = hn::LoadU(d, a + x);
+        for (const int64_t i : {-2, -1, 1, 2}) sum = hn::Add(sum, hn::LoadU(d, a + x + i));
+        return sum;
+      };
+      const V share = hn::Div(one, hn::Max(five(counts), one)), mean = hn::Mul(five(sums), share);
+      const V variance = hn::NegMulAdd(mean, mean, hn::Mul(five(squares), share));
+      const V reach = hn::Mul(hn::Set(d, row.deviations), hn::Sqrt(hn::Max(variance, zero)));
+      const V own = hn::LoadU(d, row.signals[2] + p * pitch + x);
+      hn::StoreU(hn::Min(hn::Sub(mean, reach), own), d, least + x);
+      hn::StoreU(hn::Max(hn::Add(mean, reach), own), d, least + pitch + x);
+    }
+  }
+}
+
 template <int kSignals, bool kRemembers>
 HWY_NOINLINE void accumulate_row(const AccumulateRow& row) {
   const D d;
@@ -123,7 +161,7 @@ HWY_NOINLINE void accumulate_row(const AccumulateRow& row) {
         variance = hn::IfThenElseZero(found, variance);
       }
       store_colour(d, light, row.light + 4 * s * pitch + x, pitch);
-      hn::StoreU(hn::Zero(d), d, row.light + (4 * s + 3) * pitch + x);
+      hn::StoreU(variance, d, row.light + (4 * s + 3) * pitch + x);
       hn::StoreU(m1, d, row.moments + 2 * s * pitch + x);
       hn::StoreU(variance, d, row.moments + (2 * s + 1) * pitch + x);
     }
@@ -145,9 +183,14 @@ HWY_AFTER_NAMESPACE();
 namespace ld {
 
 HWY_EXPORT(accumulate_any);
+HWY_EXPORT(bounds_row);
 
 void svgf_accumulate_row(const AccumulateRow& row, int signals) {
   HWY_DYNAMIC_DISPATCH(accumulate_any)(row, signals);
+}
+
+void svgf_history_bounds_row(const HistoryBoundsRow& row) {
+  HWY_DYNAMIC_DISPATCH(bounds_row)(row);
 }
 
 }  // namespace ld

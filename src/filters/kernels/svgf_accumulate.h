@@ -1,6 +1,8 @@
 // One row of the temporal accumulation of Schied et al. 2017.
 #pragma once
 
+#include <array>
+
 #include "filters/kernels/plane_view.h"
 
 namespace ld {
@@ -35,8 +37,21 @@ struct AccumulateRow {
   HistoryBlend blend;
 };
 
+/// Least and most history of the pixels of a row: mean +- deviations of the pixels that have a surface among
+/// the 5x5 around each, a pair of planes in `bounds` for each plane of the signals. The pixel's own value is
+/// always within, so that steady light of a small surface before a brighter one stays.
+struct HistoryBoundsRow {
+  int64_t width = 0, pitch = 0;
+  int planes = 0;
+  std::array<const float*, 5> ids{}, signals{};  // rows y - 2 to y + 2, null outside
+  float deviations = 0.25F;
+  float *columns = nullptr, *bounds = nullptr;  // three planes of a row for the work; the result
+};
+void svgf_history_bounds_row(const HistoryBoundsRow& row);
+
 /// The history of each pixel at p' = p + flow from its bilinear taps, blended with the new frame
-/// (filters/svgf.h, accumulate()). Pixels without one start anew.
+/// (filters/svgf.h, accumulate()). Pixels without one start anew. The fourth plane of each signal's light is
+/// the temporal variance, m2 - m1^2.
 void svgf_accumulate_row(const AccumulateRow& row, int signals);
 
 }  // namespace ld

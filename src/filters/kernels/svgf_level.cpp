@@ -42,11 +42,16 @@ struct SurfaceAt {
 
   /// log2 w_z of the tap (dx, dy) pixels away.
   HWY_INLINE V depth_exponent(D d, const float* there, float dx, float dy) const {
-    const V explained = kIsotropic
-                            ? hn::Mul(slope_x, hn::Set(d, std::sqrt(dx * dx + dy * dy)))
-                            : hn::Abs(hn::MulAdd(slope_x, hn::Set(d, dx), hn::Mul(slope_y, hn::Set(d, dy))));
-    const V difference = hn::Abs(hn::Sub(depth, hn::LoadU(d, there + kDepth * pitch)));
-    return hn::Neg(hn::Div(difference, hn::Add(explained, tolerance)));
+    if (kIsotropic) return hn::Mul(depth_difference(d, there), precision_at(d, std::sqrt(dx * dx + dy * dy)));
+    const V explained = hn::Abs(hn::MulAdd(slope_x, hn::Set(d, dx), hn::Mul(slope_y, hn::Set(d, dy))));
+    return hn::Neg(hn::Div(depth_difference(d, there), hn::Add(explained, tolerance)));
+  }
+  HWY_INLINE V depth_difference(D d, const float* there) const {
+    return hn::Abs(hn::Sub(depth, hn::LoadU(d, there + kDepth * pitch)));
+  }
+  /// Of isotropic slopes: what the difference is multiplied with at that distance.
+  HWY_INLINE V precision_at(D d, float distance) const {
+    return hn::Div(hn::Set(d, -1.0F), hn::MulAdd(slope_x, hn::Set(d, distance), tolerance));
   }
 
   int64_t pitch, squarings;
@@ -80,8 +85,12 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
   const LevelRow& level = row.level;
   const int64_t pitch = level.pitch;
   const V centre = hn::Set(d, level.h_centre);
-  for (int64_t x = 0; x < level.width; x += lanes()) {
+  for (int64_t x = level.first; x < level.end; x += lanes()) {
+    fetch_ahead(level, x);
     const SurfaceAt<kIsotropic> here(d, row.surface, level.surfaces + x, row.slopes + x, pitch);
+    V reach[kTapDistances];
+    if (kIsotropic)
+      for (size_t k = 0; k < kTapDistances; ++k) reach[k] = here.precision_at(d, level.distances[k]);
     Colour c_p[kSignals], sum[kSignals];
     V v_p[kSignals], y_p[kSignals], precision[kSignals], total[kSignals], sum_v[kSignals];
     for (int s = 0; s < kSignals; ++s) {
@@ -98,7 +107,8 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
     }
     for_each_tap(d, level, x, [&](const LevelTap& tap, auto same) HWY_ATTR {
       const float* there = tap.surfaces + x;
-      const V z = here.depth_exponent(d, there, tap.dx, tap.dy);
+      const V z = kIsotropic ? hn::Mul(here.depth_difference(d, there), reach[tap.distance])
+                             : here.depth_exponent(d, there, tap.dx, tap.dy);
       const V h = hn::Mul(hn::IfThenElseZero(same, hn::Set(d, tap.h)), here.normal_weight(d, there));
       for (int s = 0; s < kSignals; ++s) {
         const float* in = tap.in + 4 * s * pitch + x;
@@ -128,60 +138,86 @@ void level_any(const SvgfLevelRow& row, int signals) {
     signals == 1 ? level_row<1, false>(row) : level_row<2, false>(row);
 }
 
+/// Sums over the neighbourhood of a vector of pixels, moments about m1(p): no digits are lost when all are
+/// alike.
+struct NeighbourhoodSums {
+  Colour colour;
+  V m1, m2, total;
+
+  explicit NeighbourhoodSums(D d)
+      : colour{hn::Zero(d), hn::Zero(d), hn::Zero(d)}, m1(hn::Zero(d)), m2(m1), total(m1) {}
+
+  /// weight(same, there, i, j) for the taps of which some lane has the pixel's surface.
+  template <class Weight>
+  HWY_INLINE void add_all(D d, const SvgfVarianceRow& row, int64_t x, int signal, const Weight& weight) {
+    const int64_t pitch = row.pitch;
+    const V surface = hn::LoadU(d, row.surfaces[kVarianceRadius] + kId * pitch + x),
+            m1_p = hn::LoadU(d, row.moments[kVarianceRadius] + 2 * signal * pitch + x);
+    for (int j = -kVarianceRadius; j <= kVarianceRadius; ++j) {
+      const auto at = size_t(j + kVarianceRadius);
+      if (row.surfaces[at] == nullptr) continue;
+      for (int i = -kVarianceRadius; i <= kVarianceRadius; ++i) {
+        const int64_t q = x + i;
+        const float* const there = row.surfaces[at] + q;
+        const auto same = hn::Eq(surface, hn::LoadU(d, there + kId * pitch));
+        if (hn::AllFalse(d, same)) continue;
+        const V w = weight(same, there, i, j);
+        const float* const moments = row.moments[at] + 2 * signal * pitch + q;
+        total = hn::Add(total, w);
+        add_weighted(colour, w, load_colour(d, row.light[at] + 4 * signal * pitch + q, pitch));
+        const V difference = hn::Sub(hn::LoadU(d, moments), m1_p);
+        m1 = hn::MulAdd(w, difference, m1);
+        m2 = hn::MulAdd(w, hn::MulAdd(difference, difference, hn::LoadU(d, moments + pitch)), m2);
+      }
+    }
+  }
+
+  HWY_INLINE void add(V share, const NeighbourhoodSums& other) {
+    add_weighted(colour, share, other.colour);
+    m1 = hn::MulAdd(share, other.m1, m1);
+    m2 = hn::MulAdd(share, other.m2, m2);
+    total = hn::MulAdd(share, other.total, total);
+  }
+};
+
 template <bool kIsotropic>
 HWY_NOINLINE void variance_row(const SvgfVarianceRow& row, int signals) {
   const D d;
-  constexpr int kRows = 2 * kVarianceRadius + 1;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0F), fewest = hn::Set(d, kFewestNeighbours);
   const int64_t pitch = row.pitch;
   const float* const here_surface = row.surfaces[kVarianceRadius];
   for (int64_t x = 0; x < row.width; x += lanes()) {
     const V surface = hn::LoadU(d, here_surface + kId * pitch + x);
     const V length = hn::LoadU(d, row.moments[kVarianceRadius] + 2 * signals * pitch + x);
     const auto is_short = hn::And(hn::Lt(length, hn::Set(d, kShortHistory)), hn::Eq(surface, surface));
+    if (hn::AllFalse(d, is_short)) continue;
     const SurfaceAt<kIsotropic> here(d, row.surface, here_surface + x, row.slopes + x, pitch);
     for (int s = 0; s < signals; ++s) {
-      const float* in = row.light[kVarianceRadius] + 4 * s * pitch + x;
-      const float* own = row.moments[kVarianceRadius] + 2 * s * pitch + x;
-      Colour colour = load_colour(d, in, pitch);
-      const V m1_p = hn::LoadU(d, own);
-      V variance = hn::LoadU(d, own + pitch);
-      if (!hn::AllFalse(d, is_short)) {
-        Colour sum{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-        // Moments about m1(p): no digits are lost when all are alike.
-        V m1 = hn::Zero(d), m2 = hn::Zero(d), total = hn::Zero(d);
-        for (int j = 0; j < kRows; ++j) {
-          if (row.surfaces[size_t(j)] == nullptr) continue;
-          for (int i = -kVarianceRadius; i <= kVarianceRadius; ++i) {
-            const int64_t q = x + i;
-            const float* there = row.surfaces[size_t(j)] + q;
-            V w = hn::Set(d, 1.0F);
-            if (i != 0 || j != kVarianceRadius) {
-              const auto same = hn::Eq(surface, hn::LoadU(d, there + kId * pitch));
-              w = hn::IfThenElseZero(
-                  same, hn::Mul(here.normal_weight(d, there),
-                                power_of_two(
-                                    d, here.depth_exponent(d, there, float(i), float(j - kVarianceRadius)))));
-            }
-            const float* moments = row.moments[size_t(j)] + 2 * s * pitch + q;
-            total = hn::Add(total, w);
-            add_weighted(sum, w, load_colour(d, row.light[size_t(j)] + 4 * s * pitch + q, pitch));
-            const V difference = hn::Sub(hn::LoadU(d, moments), m1_p);
-            m1 = hn::MulAdd(w, difference, m1);
-            m2 = hn::MulAdd(w, hn::MulAdd(difference, difference, hn::LoadU(d, moments + pitch)), m2);
-          }
-        }
-        const V share = hn::Div(hn::Set(d, 1.0F), total);
-        // A length of 0 is that of the margin.
-        const V boost = hn::Div(hn::Set(d, kShortHistory), hn::Max(length, hn::Set(d, 1.0F)));
-        m1 = hn::Mul(m1, share);
-        m2 = hn::Mul(m2, share);
-        const V spatial = hn::Mul(hn::Max(hn::NegMulAdd(m1, m1, m2), hn::Zero(d)), boost);
-        colour = if_then_else(is_short, scaled(sum, share), colour);
-        variance = hn::IfThenElse(is_short, spatial, variance);
+      const float* const in = row.light[kVarianceRadius] + 4 * s * pitch + x;
+      NeighbourhoodSums sums(d);
+      sums.add_all(d, row, x, s, [&](auto same, const float* there, int i, int j) HWY_ATTR {
+        if (i == 0 && j == 0) return hn::IfThenElseZero(same, one);
+        return hn::IfThenElseZero(
+            same, hn::Mul(here.normal_weight(d, there),
+                          power_of_two(d, here.depth_exponent(d, there, float(i), float(j)))));
+      });
+      if (!hn::AllTrue(d, hn::Ge(sums.total, fewest))) {
+        NeighbourhoodSums all(d);
+        all.add_all(d, row, x, s, [&](auto same, const float* /*there*/, int /*i*/, int /*j*/) HWY_ATTR {
+          return hn::IfThenElseZero(same, one);
+        });
+        const V lacking = hn::Max(hn::Sub(fewest, sums.total), zero);
+        sums.add(hn::Div(lacking, hn::Max(all.total, one)), all);
       }
-      float* out = row.out + 4 * s * pitch + x;
-      store_colour(d, colour, out, pitch);
-      hn::StoreU(variance, d, out + 3 * pitch);
+      const V share = hn::Div(one, hn::Max(sums.total, one));
+      // A length of 0 is that of the margin.
+      const V boost = hn::Div(hn::Set(d, kShortHistory), hn::Max(length, one));
+      const V m1 = hn::Mul(sums.m1, share), m2 = hn::Mul(sums.m2, share);
+      const V spatial = hn::Mul(hn::Max(hn::NegMulAdd(m1, m1, m2), zero), boost);
+      float* const out = row.out + 4 * s * pitch + x;
+      store_colour(d, if_then_else(is_short, scaled(sums.colour, share), load_colour(d, in, pitch)), out,
+                   pitch);
+      hn::StoreU(hn::IfThenElse(is_short, spatial, hn::LoadU(d, in + 3 * pitch)), d, out + 3 * pitch);
     }
   }
 }

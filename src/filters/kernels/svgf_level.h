@@ -33,10 +33,13 @@ struct SvgfLevelRow {
 void svgf_level_row(const SvgfLevelRow& row, int signals);
 
 /// Where the history is shorter than four frames, from the 7x7 pixels around p with w = w_n w_z:
-///   c'(p) = sum_q w c(q) / sum_q w,  v'(p) = 4 / L(p) (m2 - m1^2), m the weighted means of moments;
-/// elsewhere c' = c and v' = m2 - m1^2 of the pixel's own. `moments` are m1 and m2 - m1^2.
+///   c'(p) = sum_q w c(q) / sum_q w,  v'(p) = 4 / L(p) (m2 - m1^2), m the weighted means of moments.
+/// `moments` are m1 and m2 - m1^2. A pixel that hardly any other resembles (of a wire, of a sphere of a few
+/// pixels) would show the noise of its own sample, which mostly is black: what its weights lack of
+/// kFewestNeighbours is shared out evenly among the pixels with its id. `out` gets vectors that hold such a
+/// pixel only; in the others nothing changes.
 constexpr int kVarianceRadius = 3;
-constexpr float kShortHistory = 4;
+constexpr float kShortHistory = 4, kFewestNeighbours = 4;
 struct SvgfVarianceRow {
   int64_t width = 0, pitch = 0;
   std::array<const float*, 2 * kVarianceRadius + 1> surfaces{}, light{}, moments{};  // null outside

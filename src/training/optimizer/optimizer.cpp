@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "training/clip_pass.h"
+
 namespace ld {
 namespace {
 
@@ -36,8 +38,8 @@ Optimizer::Optimizer(std::shared_ptr<Network> network, const OptimizerConfig& co
       adam_(network_->parameters(), adam_options(config)),
       average_(network_, config.ema) {}
 
-Optimizer::Outcome Optimizer::step(TrainingSet& set, int64_t step, const Loss& loss, double rate, int64_t n,
-                                   ProcessGroup& group) {
+Optimizer::Outcome Optimizer::step(TrainingSet& set, int64_t step, const ClipLoss& loss, double rate,
+                                   int64_t n, ProcessGroup& group) {
   Outcome outcome;
   outcome.loss = add_up(accumulate(set, step, loss), group);
   outcome.gradient = gradient_norm(*network_);
@@ -55,12 +57,14 @@ Optimizer::Outcome Optimizer::step(TrainingSet& set, int64_t step, const Loss& l
 }
 
 /// Leaves this process's part of the gradient, and returns its part of the loss.
-double Optimizer::accumulate(TrainingSet& set, int64_t step, const Loss& loss) {
+double Optimizer::accumulate(TrainingSet& set, int64_t step, const ClipLoss& loss) {
   const double share = set.batch_share() / static_cast<double>(config_.accumulate);
   double sum = 0;
   for (int64_t i = 0; i < config_.accumulate; ++i) {
     Batch batch = set.batch(step * config_.accumulate + i);
-    const torch::Tensor part = loss(network_->forward(std::move(batch.input)), batch.reference) * share;
+    const torch::Tensor denoised =
+        denoise_clips(*network_, std::move(batch.input), batch.clip, config_.truncation);
+    const torch::Tensor part = loss(denoised, batch.reference, batch.clip) * share;
     part.backward();
     sum += part.item<double>();
   }

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "dataset/training_set.h"
-#include "losses/loss.h"
+#include "losses/clip_loss.h"
 #include "models/network.h"
 #include "training/distributed/process_group.h"
 #include "training/optimizer/weight_average.h"
@@ -28,14 +28,15 @@ class Optimizer {
 
   /// Trains on batches step * accumulate ... of the set, at this learning rate. If the step is taken, it is
   /// the n-th one taken (from 1). All processes decide alike, because they look at the same sums.
-  Outcome step(TrainingSet& set, int64_t step, const Loss& loss, double rate, int64_t n, ProcessGroup& group);
+  Outcome step(TrainingSet& set, int64_t step, const ClipLoss& loss, double rate, int64_t n,
+               ProcessGroup& group);
 
   torch::optim::Adam& adam() { return adam_; }
   WeightAverage& average() { return average_; }
   const WeightAverage& average() const { return average_; }
 
  private:
-  double accumulate(TrainingSet& set, int64_t step, const Loss& loss);
+  double accumulate(TrainingSet& set, int64_t step, const ClipLoss& loss);
   double add_up(double loss, ProcessGroup& group);
   double limit_gradient();
   void decay_weights(double rate);

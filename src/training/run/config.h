@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/config_visitor.h"
+#include "losses/clip_loss_config.h"
 #include "losses/loss_names.h"
 #include "models/network_config.h"
 
@@ -37,12 +38,18 @@ struct DataConfig {
   // [LEAST, MOST]: how many of a frame's samples a batch uses (dataset/sample_draw.h); []: all of them.
   std::vector<int64_t> samples;
   int64_t validation_samples = 0;  // the first so many of each frame validate; 0: MOST, or all of them
-  double drop = 0;                 // share of crops that lack a feature of network.optional, for each of them
-  double exposure = 0;             // stops: radiance times 2^u, u uniform in [-exposure, exposure]
-  bool colours = false;            // give crops red, green and blue in any of their six orders
-  std::string cache;               // folder of cache files; "": .cache in each data set; none: no files
+  /// What the network's picture is compared with: the frames' references; or `samples`: those of a frame that
+  /// the network does not see, so that noisy frames alone will do (training/held_out.h).
+  std::string targets = "reference";
+  int64_t held_out = 5;  // with targets from samples, one in so many frames validates, where no split says so
+  double drop = 0;       // share of crops that lack a feature of network.optional, for each of them
+  double exposure = 0;   // stops: radiance times 2^u, u uniform in [-exposure, exposure]
+  bool colours = false;  // give crops red, green and blue in any of their six orders
+  std::string cache;     // folder of cache files; "": .cache in each data set; none: no files
   int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
   int64_t workers = 2;             // threads that prepare batches; 0: each when it is needed
+
+  bool sample_targets() const { return targets == "samples"; }
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -57,6 +64,8 @@ struct DataConfig {
     v.field("difficulty", difficulty, Range{1, 1024});
     v.field("samples", samples, Range{1, 4096});
     v.field("validation_samples", validation_samples, Range{0, 4096});
+    v.field("targets", targets, {"reference", "samples"});
+    v.field("held_out", held_out, Range{2, 1000});
     v.field("drop", drop, Range{0, 1});
     v.field("exposure", exposure, Range{0, 10});
     v.field("colours", colours);
@@ -95,7 +104,8 @@ struct OptimizerConfig {
   double clip_norm = 0;       // largest norm of all gradients together; 0: no limit
   double clip_value = 0;      // largest absolute gradient; 0: no limit
   int64_t accumulate = 1;     // batches a step: their gradients are averaged, in the memory that one takes
-  double ema = 0;             // decay of the averaged weights (training/optimizer/weight_average.h); 0: none
+  int64_t truncation = 0;  // of networks that remember: frames that a gradient goes back through; 0: the clip
+  double ema = 0;          // decay of the averaged weights (training/optimizer/weight_average.h); 0: none
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -113,6 +123,7 @@ struct OptimizerConfig {
     v.field("clip_norm", clip_norm, at_least(0));
     v.field("clip_value", clip_value, at_least(0));
     v.field("accumulate", accumulate, Range{1, 4096});
+    v.field("truncation", truncation, Range{0, 1024});
     v.field("ema", ema, Range{0, 0.999999});
   }
 };
@@ -171,6 +182,7 @@ struct TrainConfig {
   uint64_t seed = 1;           // of the first weights, of the order of the data, of the crops
   std::string init;            // weights to begin with: a weight file, checkpoint or run; "": random ones
   std::string loss = "smape";  // what a step makes smaller (docs/training.md)
+  ClipLossConfig clip_loss;    // of clips: how the losses of their frames add up, and what comes beside
   int64_t epochs = 1000;  // length of the schedule; an epoch has a crop for each frame of the training splits
   int64_t steps = 0;      // length of the schedule in place of `epochs`; 0: run.minutes or `epochs` decide
   NetworkConfig network;
@@ -184,6 +196,7 @@ struct TrainConfig {
     v.field("seed", seed);
     v.field("init", init);
     v.field("loss", loss, loss_names());
+    v.section("clip_loss", clip_loss);
     v.field("epochs", epochs, at_least(1));
     v.field("steps", steps, at_least(0));
     v.section("network", network);

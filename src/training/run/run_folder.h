@@ -40,7 +40,7 @@ struct RunOrigin {
   std::string libtorch;  // its version
   std::string blas;      // OpenBLAS's name of its kernels; "": another BLAS
   int threads = 1, processes = 1;
-  std::string dataset;  // manifests_checksum()
+  std::string dataset;  // data_checksum()
   int64_t parameters = 0, total_steps = 0;
 };
 

@@ -1,0 +1,153 @@
+#include "inference/blend.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace ld {
+namespace {
+
+constexpr double kEpsilon = 0.01;  // beside h^2, as the losses of noisy references have it
+
+/// Mean and variance of the mean of some of a pixel's samples, one channel.
+struct Estimate {
+  double mean = 0, variance = 0;
+  int drawn = 0;
+};
+
+/// Of the samples first, first + step, ... Without a second one the variance is unknown, and 0 here.
+Estimate estimate(const Frame& frame, int channel, size_t pixel, int first, int step) {
+  Estimate result;
+  double squares = 0;
+  for (int s = first; s < frame.spp; s += step) {
+    if (frame.valid_plane(s)[pixel] == 0) continue;
+    const double value = frame.plane(s, kRadianceOffset + channel)[pixel], before = value - result.mean;
+    ++result.drawn;
+    result.mean += before / result.drawn;
+    squares += before * (value - result.mean);
+  }
+  if (result.drawn > 1) result.variance = squares / (double(result.drawn) * (result.drawn - 1));
+  return result;
+}
+
+/// Means over windows, of planes of doubles: sums of columns, then of rows, each a running one.
+class WindowMean {
+ public:
+  WindowMean(int width, int height) : width_(width), height_(height) {}
+
+  /// Sums over the window about each pixel, as far as it lies in the picture.
+  std::vector<double> sums(const std::vector<double>& plane) const {
+    std::vector<double> across(plane.size()), result(plane.size());
+    for (int y = 0; y < height_; ++y) sum_line(plane.data() + at(0, y), 1, width_, across.data() + at(0, y));
+    for (int x = 0; x < width_; ++x) sum_line(across.data() + x, width_, height_, result.data() + x);
+    return result;
+  }
+
+ private:
+  size_t at(int x, int y) const { return size_t(y) * size_t(width_) + size_t(x); }
+
+  /// Every window is summed anew: a running sum would keep the rounding of bright pixels it has left.
+  static void sum_line(const double* values, std::ptrdiff_t step, int count, double* sums) {
+    constexpr int kRadius = kBlendWindow / 2;
+    for (int i = 0; i < count; ++i) {
+      double sum = 0;
+      for (int j = std::max(i - kRadius, 0); j <= std::min(i + kRadius, count - 1); ++j)
+        sum += values[j * step];
+      sums[i * step] = sum;
+    }
+  }
+
+  int width_, height_;
+};
+
+/// What a pixel says of the errors, each a mean over the channels.
+struct Evidence {
+  std::vector<double> known, variance, bias, bias_squared;
+  explicit Evidence(size_t pixels) : known(pixels), variance(pixels), bias(pixels), bias_squared(pixels) {}
+};
+
+/// d^2 - v over h^2 + epsilon, each ratio formed before it is squared, so that nothing overflows.
+double excess(double half, const Estimate& other) {
+  const double scale = std::hypot(half, std::sqrt(kEpsilon));
+  const double distance = (half - other.mean) / scale;
+  return distance * distance - other.variance / scale / scale;
+}
+
+Evidence gather(const Frame& frame, const Image& first, const Image& second) {
+  Evidence evidence(frame.plane_size());
+  for (size_t p = 0; p < frame.plane_size(); ++p)
+    for (int c = 0; c < 3; ++c) {
+      const Estimate all = estimate(frame, c, p, 0, 1), a = estimate(frame, c, p, 0, 2),
+                     b = estimate(frame, c, p, 1, 2);
+      if (a.drawn == 0 || b.drawn == 0) continue;
+      // A half of one sample has no spread of its own; that of all samples stands for it.
+      const auto spread = [&](Estimate half) {
+        if (half.drawn < 2) half.variance = all.variance * all.drawn / half.drawn;
+        return half;
+      };
+      const double h1 = first.plane(c)[p], h2 = second.plane(c)[p];
+      const double scale = std::hypot(0.5 * h1 + 0.5 * h2, std::sqrt(kEpsilon));
+      const double q = 0.5 * (excess(h1, spread(b)) + excess(h2, spread(a)));
+      evidence.known[p] = 1;
+      evidence.variance[p] += all.variance / scale / scale / 3;
+      evidence.bias[p] += q / 3;
+    }
+  for (size_t p = 0; p < frame.plane_size(); ++p)
+    evidence.bias_squared[p] = evidence.bias[p] * evidence.bias[p];
+  return evidence;
+}
+
+/// a of a window of so many known pixels, with the sums of what they say.
+double share_of_denoised(double count, double variance, double bias, double bias_squared) {
+  if (!(variance > 0)) return 0;
+  const double mean = bias / count;
+  const double deviation =
+      std::sqrt(std::max(bias_squared / count - mean * mean, 0.0) / std::max(count - 1, 1.0));
+  const double own = std::max(mean - kBlendConfidence * deviation, 0.0), noise = variance / count;
+  return noise / (noise + own);
+}
+
+}  // namespace
+
+bool can_blend(const Frame& frame) {
+  return frame.spp >= 2;
+}
+
+Frame half_of(const Frame& frame, int first) {
+  Frame half(frame.width, frame.height, (frame.spp - first + 1) / 2, frame.channels);
+  half.features = frame.features;
+  half.info = frame.info;
+  for (int s = 0; s < half.spp; ++s) {
+    const int from = first + 2 * s;
+    std::copy_n(frame.plane(from, 0), size_t(frame.channels) * frame.plane_size(), half.plane(s, 0));
+    std::copy_n(frame.valid_plane(from), frame.plane_size(), half.valid_plane(s));
+  }
+  return half;
+}
+
+Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& first, const Image& second) {
+  if (!can_blend(frame))
+    fail("blending with the mean needs two samples a pixel or more, found {}", frame.spp);
+  for (const Image* image : {&denoised, &first, &second})
+    if (image->width != frame.width || image->height != frame.height || image->channels != 3)
+      fail("a picture of {}x{} beside a frame of {}x{}", image->width, image->height, frame.width,
+           frame.height);
+  const Evidence evidence = gather(frame, first, second);
+  const WindowMean window(frame.width, frame.height);
+  const std::vector<double> count = window.sums(evidence.known), variance = window.sums(evidence.variance),
+                            bias = window.sums(evidence.bias), squared = window.sums(evidence.bias_squared);
+  Blended result = {denoised, Image(frame.width, frame.height, 1)};
+  const Image mean = mean_radiance(frame);
+  for (size_t p = 0; p < frame.plane_size(); ++p) {
+    const double a = count[p] > 0 ? share_of_denoised(count[p], variance[p], bias[p], squared[p]) : 1;
+    result.weight.pixels[p] = float(a);
+    for (int c = 0; c < 3; ++c) {
+      const double y = mean.plane(c)[p];
+      result.picture.plane(c)[p] = float(y + a * (denoised.plane(c)[p] - y));
+    }
+  }
+  return result;
+}
+
+}  // namespace ld
