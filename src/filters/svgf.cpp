@@ -64,12 +64,12 @@ void estimate_variance(const Surfaces& surfaces, const RowPlanes& slopes, const 
     row.width = width;
     row.pitch = light.pitch();
     row.surface = weights;
-    for (int64_t j = 0; j <= 2 * kVarianceRadius; ++j) {
-      const int64_t at = y + j - kVarianceRadius;
+    for (size_t j = 0; j < row.surfaces.size(); ++j) {
+      const int64_t at = y + int64_t(j) - kVarianceRadius;
       if (at < 0 || at >= height) continue;
-      row.surfaces[size_t(j)] = surfaces.of.row(at);
-      row.light[size_t(j)] = light.row(at);
-      row.moments[size_t(j)] = moments.row(at);
+      row.surfaces[j] = surfaces.of.row(at);
+      row.light[j] = light.row(at);
+      row.moments[j] = moments.row(at);
     }
     row.slopes = slopes.row(y);
     row.out = spare.row(y);

@@ -18,7 +18,7 @@ struct RowMemory {
 
   void resize(int64_t pitch, int planes) {
     columns.resize(size_t(3 * pitch));
-    bounds.resize(size_t(2 * planes * pitch));
+    bounds.resize(size_t(pitch * 2 * planes));
     missing.resize(size_t(pitch));
   }
 
@@ -89,20 +89,20 @@ struct Neighbours {
 void accumulate_pixel(const Neighbours& neighbours, const SvgfState& previous, const AccumulateRow& row,
                       int64_t x, int signals) {
   const float length = std::min(neighbours.least(previous.moments, 2 * signals) + 1, row.blend.longest);
-  row.moments[2 * signals * row.pitch + x] = length;
+  row.moments[row.pitch * 2 * signals + x] = length;
   const float share = std::max(row.blend.alpha, 1 / length),
               share_moments = std::max(row.blend.alpha_moments, 1 / length);
   for (int s = 0; s < signals; ++s) {
     for (int c = 0; c < 3; ++c) {
       float history = neighbours.mean(previous.light, 4 * s + c);
       if (row.bounds != nullptr) {
-        const float* const bounds = row.bounds + 2 * (3 * s + c) * row.pitch + x;
+        const float* const bounds = row.bounds + row.pitch * 2 * (3 * s + c) + x;
         history = std::min(std::max(history, bounds[0]), bounds[row.pitch]);
       }
       float& light = row.light[(4 * s + c) * row.pitch + x];  // that of the new frame
       light = share * light + (1 - share) * history;
     }
-    float* const moments = row.moments + 2 * s * row.pitch + x;
+    float* const moments = row.moments + row.pitch * 2 * s + x;
     const float m1 = neighbours.mean(previous.moments, 2 * s), step = moments[0] - m1;
     const float variance = neighbours.mean([&](int64_t u, int64_t v) {
       const float difference = previous.moments.at(u, v, 2 * s) - m1;

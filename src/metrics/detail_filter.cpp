@@ -6,7 +6,7 @@
 
 namespace ld {
 
-const std::array<double, kDetailWindow * kDetailWindow>& detail_kernel() {
+const std::array<double, kDetailTaps>& detail_kernel() {
   static const std::array<double, kDetailWindow* kDetailWindow> kernel = [] {
     constexpr int radius = kDetailWindow / 2;
     constexpr double variance = kDetailSigma * kDetailSigma;
@@ -15,7 +15,7 @@ const std::array<double, kDetailWindow * kDetailWindow>& detail_kernel() {
                 y = static_cast<int>(i) / kDetailWindow - radius;
       return static_cast<double>(x * x + y * y);
     };
-    std::array<double, kDetailWindow * kDetailWindow> weights{};
+    std::array<double, kDetailTaps> weights{};
     for (size_t i = 0; i < weights.size(); ++i) weights[i] = std::exp(-squared_radius(i) / (2 * variance));
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     for (size_t i = 0; i < weights.size(); ++i)

@@ -4,16 +4,18 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 namespace ld {
 
 constexpr int kDetailWindow = 15;
+constexpr std::size_t kDetailTaps = std::size_t{kDetailWindow} * kDetailWindow;
 constexpr double kDetailSigma = 1.5;
 
 /// G (r^2 - 2 s^2) / s^4 with G a Gaussian whose weights sum to 1, less its mean, so that the sum is 0; rows
 /// from the top.
-const std::array<double, kDetailWindow * kDetailWindow>& detail_kernel();
+const std::array<double, kDetailTaps>& detail_kernel();
 
 /// A plane [height, width] through the kernel, where the whole window lies inside: [height - 14, width - 14];
 /// empty for smaller planes.

@@ -77,8 +77,9 @@ std::vector<double> replacement(const SequenceGround& ground, const SurfaceGuide
   std::vector<double> change(now.size()), came(now.size());
   for (size_t p = 0; p < now.size(); ++p) {
     if (ground.warp[p].seen_at >= 0) continue;
-    const double u = std::floor(double(p % size_t(ground.width)) + double{guides.flow_x[p]} + 0.5),
-                 v = std::floor(double(p / size_t(ground.width)) + double{guides.flow_y[p]} + 0.5);
+    const size_t x = p % size_t(ground.width), y = p / size_t(ground.width);
+    const double u = std::floor(double(x) + double{guides.flow_x[p]} + 0.5),
+                 v = std::floor(double(y) + double{guides.flow_y[p]} + 0.5);
     if (!(u >= 0 && v >= 0 && u < ground.width && v < ground.height)) continue;
     came[p] = 1;
     change[p] = now[p] - before[size_t(v) * size_t(ground.width) + size_t(u)];

@@ -30,7 +30,7 @@ HWY_NOINLINE void eaw_row(const LevelRow& row, const EawPrecision& precision) {
     Colour c_p[kSignals], sum[kSignals];
     V y_p[kSignals], total[kSignals];
     for (int s = 0; s < kSignals; ++s) {
-      c_p[s] = load_colour(d, row.in + 3 * s * pitch + x, pitch);
+      c_p[s] = load_colour(d, row.in + pitch * 3 * s + x, pitch);
       y_p[s] = luminance(d, c_p[s]);
       sum[s] = scaled(c_p[s], centre);
       total[s] = centre;
@@ -44,7 +44,7 @@ HWY_NOINLINE void eaw_row(const LevelRow& row, const EawPrecision& precision) {
       const V exponent = hn::MulAdd(distance, place, hn::Mul(turned, normal));
       const V h = hn::IfThenElseZero(same, hn::Set(d, tap.h));
       for (int s = 0; s < kSignals; ++s) {
-        const Colour c_q = load_colour(d, tap.in + 3 * s * pitch + x, pitch);
+        const Colour c_q = load_colour(d, tap.in + pitch * 3 * s + x, pitch);
         const V difference =
             kLuminance ? squared_distance(y_p[s], luminance(d, c_q)) : squared_distance(c_p[s], c_q);
         const V w = power_of_two(d, hn::MulAdd(hn::Min(difference, largest), light, exponent));
@@ -57,7 +57,7 @@ HWY_NOINLINE void eaw_row(const LevelRow& row, const EawPrecision& precision) {
     const auto any = hn::Eq(surface, surface);  // NaN where there is none
     for (int s = 0; s < kSignals; ++s) {
       const Colour mean = scaled(sum[s], hn::Div(hn::Set(d, 1.0F), total[s]));
-      store_colour(d, if_then_else(any, mean, c_p[s]), row.out + 3 * s * pitch + x, pitch);
+      store_colour(d, if_then_else(any, mean, c_p[s]), row.out + pitch * 3 * s + x, pitch);
     }
   }
 }

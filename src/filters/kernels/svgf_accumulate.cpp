@@ -82,7 +82,7 @@ HWY_INLINE V blend_channel(D d, const BilinearTaps& taps, const AccumulateRow& r
                            int channel, V share, V now) {
   V history = taps.mean(d, row.light_before, 4 * signal + channel);
   if (row.bounds != nullptr) {
-    const float* bounds = row.bounds + 2 * (3 * signal + channel) * row.pitch + x;
+    const float* bounds = row.bounds + row.pitch * 2 * (3 * signal + channel) + x;
     history = hn::Min(hn::Max(history, hn::LoadU(d, bounds)), hn::LoadU(d, bounds + row.pitch));
   }
   return hn::MulAdd(share, now, hn::Mul(hn::Sub(hn::Set(d, 1.0F), share), history));
@@ -110,7 +110,7 @@ void bounds_row(const HistoryBoundsRow& row) {
       hn::StoreU(sum, d, sums + x);
       hn::StoreU(square, d, squares + x);
     }
-    float* const least = row.bounds + 2 * p * pitch;
+    float* const least = row.bounds + pitch * 2 * p;
     for (int64_t x = 0; x < row.width; x += lanes()) {
       const auto five = [&](const float* a) HWY_ATTR {
         V sum = hn::LoadU(d, a + x);
@@ -145,9 +145,9 @@ HWY_NOINLINE void accumulate_row(const AccumulateRow& row) {
       share = hn::Max(hn::Div(one, length), hn::Set(d, row.blend.alpha));
       share_moments = hn::Max(hn::Div(one, length), hn::Set(d, row.blend.alpha_moments));
     }
-    hn::StoreU(length, d, row.moments + 2 * kSignals * pitch + x);
+    hn::StoreU(length, d, row.moments + pitch * 2 * kSignals + x);
     for (int s = 0; s < kSignals; ++s) {
-      const Colour now = load_colour(d, row.signals + 3 * s * pitch + x, pitch);
+      const Colour now = load_colour(d, row.signals + pitch * 3 * s + x, pitch);
       Colour light = now;
       V m1 = bounded_luminance(d, now), variance = hn::Zero(d);
       if (kRemembers) {
@@ -160,9 +160,9 @@ HWY_NOINLINE void accumulate_row(const AccumulateRow& row) {
         m1 = hn::IfThenElse(found, blended_m1, m1);
         variance = hn::IfThenElseZero(found, variance);
       }
-      store_colour(d, light, row.light + 4 * s * pitch + x, pitch);
+      store_colour(d, light, row.light + pitch * 4 * s + x, pitch);
       hn::StoreU(variance, d, row.light + (4 * s + 3) * pitch + x);
-      hn::StoreU(m1, d, row.moments + 2 * s * pitch + x);
+      hn::StoreU(m1, d, row.moments + pitch * 2 * s + x);
       hn::StoreU(variance, d, row.moments + (2 * s + 1) * pitch + x);
     }
   }

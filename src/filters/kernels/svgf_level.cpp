@@ -94,7 +94,7 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
     Colour c_p[kSignals], sum[kSignals];
     V v_p[kSignals], y_p[kSignals], precision[kSignals], total[kSignals], sum_v[kSignals];
     for (int s = 0; s < kSignals; ++s) {
-      const float* in = level.in + 4 * s * pitch + x;
+      const float* in = level.in + pitch * 4 * s + x;
       c_p[s] = load_colour(d, in, pitch);
       v_p[s] = hn::LoadU(d, in + 3 * pitch);
       y_p[s] = luminance(d, c_p[s]);
@@ -111,7 +111,7 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
                              : here.depth_exponent(d, there, tap.dx, tap.dy);
       const V h = hn::Mul(hn::IfThenElseZero(same, hn::Set(d, tap.h)), here.normal_weight(d, there));
       for (int s = 0; s < kSignals; ++s) {
-        const float* in = tap.in + 4 * s * pitch + x;
+        const float* in = tap.in + pitch * 4 * s + x;
         const Colour c_q = load_colour(d, in, pitch);
         const V difference = hn::Abs(hn::Sub(y_p[s], luminance(d, c_q)));
         const V hw = hn::Mul(h, power_of_two(d, hn::MulAdd(difference, precision[s], z)));
@@ -124,7 +124,7 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
     const auto any = hn::Eq(surface, surface);  // NaN where there is none
     for (int s = 0; s < kSignals; ++s) {
       const V share = hn::Div(hn::Set(d, 1.0F), total[s]);
-      float* out = level.out + 4 * s * pitch + x;
+      float* out = level.out + pitch * 4 * s + x;
       store_colour(d, if_then_else(any, scaled(sum[s], share), c_p[s]), out, pitch);
       hn::StoreU(hn::IfThenElse(any, hn::Mul(sum_v[s], hn::Mul(share, share)), v_p[s]), d, out + 3 * pitch);
     }
@@ -152,7 +152,7 @@ struct NeighbourhoodSums {
   HWY_INLINE void add_all(D d, const SvgfVarianceRow& row, int64_t x, int signal, const Weight& weight) {
     const int64_t pitch = row.pitch;
     const V surface = hn::LoadU(d, row.surfaces[kVarianceRadius] + kId * pitch + x),
-            m1_p = hn::LoadU(d, row.moments[kVarianceRadius] + 2 * signal * pitch + x);
+            m1_p = hn::LoadU(d, row.moments[kVarianceRadius] + pitch * 2 * signal + x);
     for (int j = -kVarianceRadius; j <= kVarianceRadius; ++j) {
       const auto at = size_t(j + kVarianceRadius);
       if (row.surfaces[at] == nullptr) continue;
@@ -162,9 +162,9 @@ struct NeighbourhoodSums {
         const auto same = hn::Eq(surface, hn::LoadU(d, there + kId * pitch));
         if (hn::AllFalse(d, same)) continue;
         const V w = weight(same, there, i, j);
-        const float* const moments = row.moments[at] + 2 * signal * pitch + q;
+        const float* const moments = row.moments[at] + pitch * 2 * signal + q;
         total = hn::Add(total, w);
-        add_weighted(colour, w, load_colour(d, row.light[at] + 4 * signal * pitch + q, pitch));
+        add_weighted(colour, w, load_colour(d, row.light[at] + pitch * 4 * signal + q, pitch));
         const V difference = hn::Sub(hn::LoadU(d, moments), m1_p);
         m1 = hn::MulAdd(w, difference, m1);
         m2 = hn::MulAdd(w, hn::MulAdd(difference, difference, hn::LoadU(d, moments + pitch)), m2);
@@ -188,12 +188,12 @@ HWY_NOINLINE void variance_row(const SvgfVarianceRow& row, int signals) {
   const float* const here_surface = row.surfaces[kVarianceRadius];
   for (int64_t x = 0; x < row.width; x += lanes()) {
     const V surface = hn::LoadU(d, here_surface + kId * pitch + x);
-    const V length = hn::LoadU(d, row.moments[kVarianceRadius] + 2 * signals * pitch + x);
+    const V length = hn::LoadU(d, row.moments[kVarianceRadius] + pitch * 2 * signals + x);
     const auto is_short = hn::And(hn::Lt(length, hn::Set(d, kShortHistory)), hn::Eq(surface, surface));
     if (hn::AllFalse(d, is_short)) continue;
     const SurfaceAt<kIsotropic> here(d, row.surface, here_surface + x, row.slopes + x, pitch);
     for (int s = 0; s < signals; ++s) {
-      const float* const in = row.light[kVarianceRadius] + 4 * s * pitch + x;
+      const float* const in = row.light[kVarianceRadius] + pitch * 4 * s + x;
       NeighbourhoodSums sums(d);
       sums.add_all(d, row, x, s, [&](auto same, const float* there, int i, int j) HWY_ATTR {
         if (i == 0 && j == 0) return hn::IfThenElseZero(same, one);
@@ -214,7 +214,7 @@ HWY_NOINLINE void variance_row(const SvgfVarianceRow& row, int signals) {
       const V boost = hn::Div(hn::Set(d, kShortHistory), hn::Max(length, one));
       const V m1 = hn::Mul(sums.m1, share), m2 = hn::Mul(sums.m2, share);
       const V spatial = hn::Mul(hn::Max(hn::NegMulAdd(m1, m1, m2), zero), boost);
-      float* const out = row.out + 4 * s * pitch + x;
+      float* const out = row.out + pitch * 4 * s + x;
       store_colour(d, if_then_else(is_short, scaled(sums.colour, share), load_colour(d, in, pitch)), out,
                    pitch);
       hn::StoreU(hn::IfThenElse(is_short, spatial, hn::LoadU(d, in + 3 * pitch)), d, out + 3 * pitch);
