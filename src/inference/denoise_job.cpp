@@ -136,7 +136,7 @@ class Run {
   Image denoise_half(const Frame& half, SequenceState& state) {
     DenoiseOptions how = how_;
     how.progress = nullptr;
-    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how);
+    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how, &state);
   }
 
   void blend(const Frame& frame, Image& picture) {
