@@ -87,7 +87,7 @@ class Run {
     if (filter_)
       denoised.picture = filter_->denoise(frame, state_, threads_);
     else
-      denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_);
+      denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_, &state_);
     if (job_.blend) blend(frame, denoised.picture);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
@@ -136,7 +136,7 @@ class Run {
   Image denoise_half(const Frame& half, SequenceState& state) {
     DenoiseOptions how = how_;
     how.progress = nullptr;
-    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how);
+    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how, &state);
   }
 
   void blend(const Frame& frame, Image& picture) {

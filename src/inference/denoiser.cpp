@@ -3,6 +3,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <any>
 
 #include "core/process/process_memory.h"
 #include "core/threads.h"
@@ -102,10 +103,30 @@ struct Denoiser::State {
     return *execution;
   }
 
+  /// Planes for what a frame leaves; none where nobody keeps it.
+  FrameState empty_state(const SequenceState* sequence, const PictureExtent& picture) const {
+    FrameState state;
+    if (sequence == nullptr) return state;
+    for (const graph::ValueId id : graph.state)
+      state.emplace_back(int(picture.width), int(picture.height), int(graph[id].channels));
+    return state;
+  }
+
+  /// What the frame before has left, which is gone from there: a frame that is not finished leaves nothing.
+  /// Other light parts than those of the frame before have no history.
+  FrameState taken_from(SequenceState* sequence) const {
+    FrameState before;
+    if (sequence == nullptr || graph.state.empty()) return before;
+    if (auto* left = std::any_cast<FrameState>(&sequence->memory)) before = std::move(*left);
+    sequence->memory.reset();
+    if (!before.empty() && before[0].channels != graph[graph.state[0]].channels) before.clear();
+    return before;
+  }
+
   /// Of a frame or arrays.
   template <class Samples>
   DenoisedParts denoise_parts(const Samples& samples, const graph::LightParts& parts,
-                              const DenoiseOptions& options) {
+                              const DenoiseOptions& options, SequenceState* sequence = nullptr) {
     Execution& run = execution_for(input_of(samples), parts, options);
     const Image colour(samples.width, samples.height, 3);
     DenoisedParts result = {colour, std::vector<Image>(size_t(parts.colours), colour), {}};
@@ -113,13 +134,24 @@ struct Denoiser::State {
     std::vector<Image*> images = {&result.picture};
     for (Image& part : result.parts) images.push_back(&part);
     images.push_back(&result.alpha);
-    run.run(samples, progress_of(options), [&](int64_t begin, int64_t end) {
-      int64_t plane = 0;
-      for (Image* image : images)
-        for (int c = 0; c < image->channels; ++c, ++plane)
-          for (int64_t y = begin; y < end; ++y)
-            std::copy_n(run.row(0, plane, y), samples.width, &image->at(c, 0, int(y)));
-    });
+    const FrameState before = taken_from(sequence);
+    FrameState after = empty_state(sequence, run.picture());
+    const size_t first_of_state = graph.outputs().size() - graph.state.size();
+    const auto copy = [&](size_t output, int64_t plane, Image& image, int c, int64_t begin, int64_t end) {
+      for (int64_t y = begin; y < end; ++y)
+        std::copy_n(run.row(output, plane, y), image.width, &image.at(c, 0, int(y)));
+    };
+    run.run(
+        samples, progress_of(options),
+        [&](int64_t begin, int64_t end) {
+          int64_t plane = 0;
+          for (Image* image : images)
+            for (int c = 0; c < image->channels; ++c) copy(0, plane++, *image, c, begin, end);
+          for (size_t i = 0; i < after.size(); ++i)
+            for (int c = 0; c < after[i].channels; ++c) copy(first_of_state + i, c, after[i], c, begin, end);
+        },
+        before);
+    if (!after.empty()) sequence->memory = std::move(after);
     for (float& value : result.alpha.pixels) value = std::min(value, 1.0f);  // rounding may lead beyond
     return result;
   }
@@ -143,14 +175,14 @@ const NetworkConfig& Denoiser::network_config() const {
   return state_->network.config;
 }
 
-Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options) const {
-  Execution& execution = state_->execution_for(input_of(frame), {}, options);
-  return std::move(execution.run(frame, progress_of(options))[0]);
+Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options, SequenceState* sequence) const {
+  return state_->denoise_parts(frame, {}, options, sequence).picture;
 }
 
-DenoisedParts Denoiser::denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options) const {
+DenoisedParts Denoiser::denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options,
+                                      SequenceState* sequence) const {
   if (alpha && frame.alpha.empty()) fail("no alpha to filter: the frame has none");
-  return state_->denoise_parts(frame, {int64_t(frame.parts.size()), alpha}, options);
+  return state_->denoise_parts(frame, {int64_t(frame.parts.size()), alpha}, options, sequence);
 }
 
 DenoisedParts Denoiser::denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options) const {

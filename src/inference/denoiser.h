@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "frame/sample_arrays.h"
+#include "sequence/sequence_state.h"
 
 namespace ld {
 
@@ -74,13 +75,19 @@ class Denoiser {
   /// row as the network reads them: no second copy of them is made. What was planned for a frame is kept for
   /// the next of its size. Light parts are left alone. Throws Error for a frame without samples and for a
   /// budget that is too small, naming the smallest that will do; Cancelled. Not for several threads at once.
-  Image denoise(const Frame& frame, const DenoiseOptions& options = {}) const;
+  ///
+  /// A network that remembers takes what the frame before has left from `sequence`, whose advance() has been
+  /// told of this frame, and leaves there what the next one needs. Without, the frame is the first of its
+  /// own.
+  Image denoise(const Frame& frame, const DenoiseOptions& options = {},
+                SequenceState* sequence = nullptr) const;
 
   /// The same, and with the same kernels all of the frame's light parts and, with `alpha`, its alpha. Every
   /// network is linear in the radiance that it filters once the radiance has decided on the weights, so parts
   /// that sum to the radiance of every sample come out as parts that sum to the picture, to rounding. Throws
   /// Error as denoise(), and for `alpha` of a frame that has none.
-  DenoisedParts denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options = {}) const;
+  DenoisedParts denoise_parts(const Frame& frame, bool alpha, const DenoiseOptions& options = {},
+                              SequenceState* sequence = nullptr) const;
 
   /// The same of samples where they lie, with all of their parts and, where they have it, alpha: no copy of
   /// them is made, and nothing but features() must be there. They count as memory of the process.

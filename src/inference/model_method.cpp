@@ -30,15 +30,15 @@ MethodCost cost_of(const LoadedModel& model, const Frame& frame) {
           cost.total() / static_cast<double>(frame.plane_size())};
 }
 
-Image denoise(const LoadedModel& model, const Frame& frame) {
+Image denoise(const LoadedModel& model, const Frame& frame, SequenceState* sequence) {
   DenoiseOptions options;
   options.threads = model.threads;
-  return model.denoiser->denoise(frame, options);
+  return model.denoiser->denoise(frame, options, sequence);
 }
 
 Method method_of(const LoadedModel& model, const MethodCost& cost) {
-  return {model.argument.name, [model](const Frame& frame, SequenceState&) { return denoise(model, frame); },
-          cost};
+  return {model.argument.name,
+          [model](const Frame& frame, SequenceState& state) { return denoise(model, frame, &state); }, cost};
 }
 
 }  // namespace ld

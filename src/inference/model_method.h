@@ -23,7 +23,8 @@ LoadedModel load_model(const ModelArgument& argument, int threads);
 std::vector<LoadedModel> load_models(const std::vector<ModelArgument>& arguments, int threads,
                                      std::vector<std::string>& features);
 
-Image denoise(const LoadedModel& model, const Frame& frame);
+/// As Denoiser::denoise().
+Image denoise(const LoadedModel& model, const Frame& frame, SequenceState* sequence = nullptr);
 
 /// The model's parameters, and its multiply-adds a pixel (models/graphs/network_cost.h) for a frame of this
 /// size and number of samples.
