@@ -6,7 +6,7 @@
 #include "core/process/process_memory.h"
 #include "core/progress.h"
 #include "ops/memory_pool.h"
-#include "training/clip_pass.h"
+#include "training/optimizer/clip_pass.h"
 #include "training/optimizer/optimizer.h"
 
 namespace ld {

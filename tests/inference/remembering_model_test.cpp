@@ -10,6 +10,12 @@
 namespace ld {
 namespace {
 
+DenoiseOptions on_two_threads() {
+  DenoiseOptions options;
+  options.threads = 2;
+  return options;
+}
+
 class RememberingModel : public DenoisingTest {
  protected:
   void SetUp() override {
@@ -53,11 +59,11 @@ TEST_F(RememberingModel, CarriesItsStateOverASequenceAndBeginsAnewAtAHole) {
     Faults faults;
     const Frame frame = read_frame(file("walk", number), denoiser.features(), faults);
     state.advance(SequencePlace{0, number}, frame.width, frame.height);
-    EXPECT_EQ(pixels(file("out", number)), denoiser.denoise(frame, {2}, &state).pixels) << number;
+    EXPECT_EQ(pixels(file("out", number)), denoiser.denoise(frame, on_two_threads(), &state).pixels) << number;
     denoise(fmt::format("walk.{}.exr", number), fmt::format("alone.{}.exr", number));
     EXPECT_EQ(pixels(file("out", number)) == pixels(file("alone", number)), number == 1 || number == 5)
         << number;
-    EXPECT_EQ(pixels(file("alone", number)), denoiser.denoise(frame, {2}).pixels) << number;
+    EXPECT_EQ(pixels(file("alone", number)), denoiser.denoise(frame, on_two_threads()).pixels) << number;
   }
 }
 

@@ -5,7 +5,7 @@
 #include "models/initialise.h"
 #include "tests/support/expect_error.h"
 #include "tests/training/tiny_training.h"
-#include "training/clip_pass.h"
+#include "training/optimizer/clip_pass.h"
 #include "training/training_data.h"
 
 namespace ld {

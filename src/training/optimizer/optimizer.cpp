@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "training/clip_pass.h"
+#include "training/optimizer/clip_pass.h"
 
 namespace ld {
 namespace {

@@ -1,4 +1,4 @@
-#include "training/clip_pass.h"
+#include "training/optimizer/clip_pass.h"
 
 #include <vector>
 
