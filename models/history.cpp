@@ -11,7 +11,7 @@ using torch::Tensor;
 
 namespace {
 
-constexpr int64_t kCompared = 3;  // r, s, 1 / n
+constexpr int64_t kCompared = 3, kChange = 1;  // r, s, 1 / n; the place of s
 constexpr int64_t kSurface = 4;
 
 /// Channels of a feature, [B, S, C, H, W], or zeros.
@@ -112,8 +112,18 @@ Tensor History::remembered(const Tensor& light, const Tensor& context, const Net
 
 void History::initialise() {
   const torch::NoGradGuard no_gradient;
-  Tensor weights = gate_->weights().weights.back(), bias = gate_->weights().biases.back();
+  const FullyConnectedWeights& layers = gate_->weights();
+  // The first unit of each hidden layer hands s on, which is at least 0; the others begin as they are.
+  int64_t handed_on = kChange;
+  for (size_t i = 0; i + 1 < layers.weights.size(); ++i) {
+    Tensor unit = layers.weights[i][0];
+    unit.zero_();
+    unit[handed_on] = 1;
+    handed_on = 0;
+  }
+  Tensor weights = layers.weights.back(), bias = layers.biases.back();
   weights.zero_();
+  weights[0][handed_on] = -kInitialChange;
   bias.fill_(kInitialHistory);
 }
 

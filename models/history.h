@@ -37,7 +37,7 @@ class History : public torch::nn::Module {
   torch::Tensor remembered(const torch::Tensor& light, const torch::Tensor& context,
                            const NetworkInput& input, const NetworkConfig& config, NetworkState& state) const;
 
-  /// Weights to begin with: g = -1 whatever the gate sees.
+  /// Weights to begin with: g = -1 - 20 s, which lets go where the light has changed.
   void initialise();
 
  private:

@@ -15,7 +15,8 @@ constexpr double kMostRejected = 16;  // a pixel's layer counts for e^-16, 1e-7,
 
 // models/history.h.
 constexpr double kLongestHistory = 32;     // frames that a history counts for at most
-constexpr double kInitialHistory = -1;     // the gate's logit before anything is learnt
+constexpr double kInitialHistory = -1;     // the gate's logit before anything is learnt, less
+constexpr double kInitialChange = 20;      // so many times the relative change of the light
 constexpr double kLargestCompared = 1e35;  // of light: sums over a neighbourhood are finite
 constexpr int kComparedRadius = 2;         // pixels: of the neighbourhood, 5x5
 

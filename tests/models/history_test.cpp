@@ -256,6 +256,32 @@ TEST(History, NothingGrowsOrDrifts) {
   }
 }
 
+// As it begins, the gate keeps some of a light that stays, and lets go of one that went out or came on.
+TEST(History, BeginsByLettingGoOfLightThatHasChanged) {
+  for (const std::vector<int64_t>& hidden : std::vector<std::vector<int64_t>>{{}, {16}, {5, 4}}) {
+    NetworkConfig config = history_config();
+    config.history = hidden;
+    History history(config);
+    history.initialise();
+    NetworkInput input = frame_input(config, 0, torch::kFloat32, 1);
+    input.valid.fill_(1);
+    input.features.narrow(2, first_channel(config.features, "flow"), 2).zero_();
+    const torch::NoGradGuard no_gradient;
+    const Tensor context = torch::zeros({1, config.unet.context, 6, 7});
+    const auto second = [&](double before, double now) {
+      NetworkState state;
+      history.remembered(torch::full({1, 3, 6, 7}, before), context, input, config, state);
+      return history.remembered(torch::full({1, 3, 6, 7}, now), context, input, config, state)
+          .max()
+          .item<double>();
+    };
+    EXPECT_LE(second(8, 0), 1e-6);
+    EXPECT_NEAR(second(0, 8), 8, 1e-6);
+    const double s = 0.01 / 2.01, k = 1 / (1 + std::exp(1 + 20 * s));
+    EXPECT_NEAR(second(1, 1.01), 1.01 - 0.01 * k, 1e-5);
+  }
+}
+
 // With g = 0 the light is the mean over all frames, and counts for as many.
 TEST(History, AGateOfZeroIsTheMeanOverAllFrames) {
   NetworkConfig config = history_config();
