@@ -52,6 +52,11 @@ Tensor counted(const Tensor& values, const Tensor& valid) {
   return values.isfinite().all(1, true).logical_and(valid.ne(0)).contiguous();
 }
 
+/// Autograd functions take no undefined tensors: an empty one stands for guides that there are not.
+Tensor given(const Tensor& surfaces) {
+  return surfaces.numel() > 0 ? surfaces : Tensor();
+}
+
 class Warp : public torch::autograd::Function<Warp> {
  public:
   static variable_list forward(AutogradContext* context, const Tensor& values, const Tensor& flow,
@@ -61,7 +66,8 @@ class Warp : public torch::autograd::Function<Warp> {
     const int64_t batch = v.size(0), channels = v.size(1), height = v.size(2), width = v.size(3);
     Tensor out = at::zeros_like(v), out_valid = at::zeros({batch, 1, height, width}, v.options());
     AT_DISPATCH_FLOATING_TYPES(v.scalar_type(), "warp", [&] {
-      const Pictures<scalar_t> from(v), moves(f), to(out), known(out_valid), shown(now), seen(before);
+      const Pictures<scalar_t> from(v), moves(f), to(out), known(out_valid), shown(given(now)),
+          seen(given(before));
       const bool* const counted_data = counts.data_ptr<bool>();
       const int64_t plane = height * width;
       at::parallel_for(0, batch * height, 1, [&](int64_t first, int64_t last) {
@@ -88,7 +94,7 @@ class Warp : public torch::autograd::Function<Warp> {
                   width = gradient.size(3), plane = height * width;
     Tensor out = at::zeros_like(gradient);
     AT_DISPATCH_FLOATING_TYPES(gradient.scalar_type(), "warp_backward", [&] {
-      const Pictures<scalar_t> from(gradient), moves(f), to(out), shown(now), seen(before);
+      const Pictures<scalar_t> from(gradient), moves(f), to(out), shown(given(now)), seen(given(before));
       const bool* const counted_data = counts.data_ptr<bool>();
       // Several pixels send to one: a thread has whole planes, so that the order of the sums is always the
       // same.
@@ -126,8 +132,8 @@ Warped warp(const Tensor& values, const Tensor& flow, const Tensor& valid, const
       fail(
           "warp: a tensor is on the device {}, expected the CPU, the only one that it runs on; move it there",
           tensor.device().str());
-  const auto held = [](const Tensor& surfaces) {
-    return surfaces.defined() ? surfaces.detach().contiguous() : surfaces;
+  const auto held = [&](const Tensor& surfaces) {
+    return surfaces.defined() ? surfaces.detach().contiguous() : at::empty({0}, values.options());
   };
   const variable_list result =
       Warp::apply(values, flow.detach(), valid.detach(), held(guides.now), held(guides.before));

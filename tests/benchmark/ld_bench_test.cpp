@@ -54,7 +54,7 @@ TEST(LdBench, OpsGivesEveryRow) {
 TEST(LdBench, NetworkGivesEveryRowTableAndFigure) {
   const TemporaryFolder folder;
   const auto json = run_bench(folder, {"network"});
-  std::set<std::string> expected = {"layer_train_128", "optimized_train_128"};
+  std::set<std::string> expected = {"layer_train_128", "layer_history_train_128", "optimized_train_128"};
   for (const std::string& name : network_names()) expected.insert(name + "_infer_256");
   EXPECT_EQ(check_rows(json.at("rows")), expected);
   std::set<std::string> sizes;
@@ -70,7 +70,7 @@ TEST(LdBench, NetworkGivesEveryRowTableAndFigure) {
   EXPECT_EQ(sizes.count("common_fast_48x33"), 1);
   EXPECT_GT(json.at("memory_gb_per_s").get<double>(), 0);
   EXPECT_EQ(json.at("samples").size(), 2);
-  EXPECT_EQ(json.at("stages").size(), 8);
+  EXPECT_EQ(json.at("stages").size(), 12);
   EXPECT_EQ(json.at("cost").size(), 2 * network_names().size());  // at two sample counts
   for (const char* name : {"cost", "stages", "samples"}) {
     EXPECT_EQ(xml_fault(read_file(folder / (std::string(name) + ".svg"))), "") << name;
@@ -108,7 +108,7 @@ TEST(LdBench, OnlyPicksRowsAndNamesAreChecked) {
   EXPECT_EQ(sizes.at("sizes").size(), 1);
   EXPECT_FALSE(sizes.contains("stages"));
   const auto stages = run_bench(folder, {"network", "--only", "stages"});
-  EXPECT_EQ(stages.at("stages").size(), 8);
+  EXPECT_EQ(stages.at("stages").size(), 12);
   EXPECT_FALSE(stages.contains("sizes"));
   expect_failure(run_program("ld_bench", {}), 2, {"subcommand"});
 }

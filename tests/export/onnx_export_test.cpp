@@ -7,6 +7,7 @@
 #include "core/file_io.h"
 #include "export/onnx_evaluator.h"
 #include "export/onnx_file.h"
+#include "models/check_network.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/run_program.h"
@@ -67,6 +68,7 @@ class OnnxExportTest : public ::testing::Test {
 
 TEST_F(OnnxExportTest, EveryNetworkAtEverySizeComputesWhatItDoesInCpp) {
   for (const NetworkConfig& config : exported_configs()) {
+    if (network_traits(config.name).remembers) continue;  // refused: its test is below
     const OnnxEvaluator evaluator(exported(config));
     EXPECT_LT(report_.graph.largest_relative_difference, 1e-4) << title(config);
     EXPECT_EQ(report_.weights.largest_relative_difference, 0);
@@ -80,6 +82,7 @@ TEST_F(OnnxExportTest, EveryNetworkAtEverySizeComputesWhatItDoesInCpp) {
 
 TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
   for (const NetworkConfig& config : every_config()) {
+    if (network_traits(config.name).remembers) continue;  // refused: its test is below
     const OnnxEvaluator evaluator(exported(config));
     NetworkInput input = random_input(config, 1, 2, 9, 8, torch::kFloat32, 3);
     const NetworkInput none = {input.features, input.radiance, torch::zeros_like(input.valid)};
@@ -97,6 +100,7 @@ TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
 
 TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
   for (const NetworkConfig& config : every_config()) {
+    if (network_traits(config.name).remembers) continue;  // refused: its test is below
     const OnnxEvaluator evaluator(exported(config, 30));
     NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 12, 11, torch::kFloat32, 5), config);
     input.valid.fill_(1);
@@ -104,6 +108,16 @@ TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
     const Tensor image = evaluator.forward(input);
     EXPECT_LT((image - 2).abs().max().item<float>(), 2e-4) << title(config);
   }
+}
+
+TEST_F(OnnxExportTest, ANetworkThatRemembersIsRefused) {
+  int refused = 0;
+  for (const NetworkConfig& config : every_config()) {
+    if (!network_traits(config.name).remembers) continue;
+    ++refused;
+    EXPECT_ERROR(exported(config), "keeps a state from frame to frame");
+  }
+  EXPECT_GT(refused, 0);
 }
 
 TEST_F(OnnxExportTest, TheFileSaysWhatItIsAndWhatWasMeasured) {

@@ -120,7 +120,7 @@ TEST(Adapting, TwoHalvesAreTheWhole) {
     return trainer.verdict();
   };
   const std::string verdict = train("straight", 0);
-  train("halves", 17);
+  train("halves", 20);
   EXPECT_EQ(train("halves", 0), verdict);
   EXPECT_EQ(last_checkpoint(folder / "straight"), last_checkpoint(folder / "halves"));
   EXPECT_EQ(read_file(folder / "straight/metrics.csv"), read_file(folder / "halves/metrics.csv"));
