@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "metrics/statistics.h"
 #include "evaluation/tables.h"
 #include "metrics/flip.h"
+#include "metrics/statistics.h"
 #include "test_frames.h"
 
 namespace ld {

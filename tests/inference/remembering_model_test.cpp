@@ -59,7 +59,8 @@ TEST_F(RememberingModel, CarriesItsStateOverASequenceAndBeginsAnewAtAHole) {
     Faults faults;
     const Frame frame = read_frame(file("walk", number), denoiser.features(), faults);
     state.advance(SequencePlace{0, number}, frame.width, frame.height);
-    EXPECT_EQ(pixels(file("out", number)), denoiser.denoise(frame, on_two_threads(), &state).pixels) << number;
+    EXPECT_EQ(pixels(file("out", number)), denoiser.denoise(frame, on_two_threads(), &state).pixels)
+        << number;
     denoise(fmt::format("walk.{}.exr", number), fmt::format("alone.{}.exr", number));
     EXPECT_EQ(pixels(file("out", number)) == pixels(file("alone", number)), number == 1 || number == 5)
         << number;
