@@ -67,6 +67,7 @@ class GuideReader {
         has_flow_depth_(frame.holds("flow_depth")),
         has_emission_(frame.holds("emission")),
         demodulates_(settings.demodulate && frame.holds("albedo")),
+        per_sample_(demodulates_ && settings.per_sample && frame.spp > 1),
         splits_(settings.split && holds_split(frame)) {}
 
   int signals() const { return splits_ ? 2 : 1; }
@@ -120,6 +121,11 @@ class GuideReader {
       }
       emission_row(first, c, share, emission);
       float* const signal = light.signals.row(y, c);
+      if (per_sample_) {
+        quotient_row(first, splits_ ? kDirectOffset : kRadianceOffset, c, share, signal);
+        if (splits_) quotient_row(first, kIndirectOffset, c, share, light.signals.row(y, 3 + c));
+        continue;
+      }
       if (splits_) {
         float* const indirect = light.signals.row(y, 3 + c);
         mean_row(first, kDirectOffset + c, share, signal);
@@ -184,6 +190,29 @@ class GuideReader {
     }
   }
 
+  /// Mean over the samples of (C_s - E_s) / A_s. Where S and A change together in a pixel, as at edges, that
+  /// times the mean of A is not the mean of C.
+  void quotient_row(size_t first, int channel, int c, const std::vector<float>& share, float* out) const {
+    std::fill_n(out, share.size(), 0.0F);
+    for (int s = 0; s < frame_.spp; ++s) {
+      const auto plane = [&](int at) { return frame_.plane(s, at) + first; };
+      const float *const light = plane(channel + c), *const albedo = plane(albedo_ + c),
+                         *const specular = plane(specular_ + c), *const emission = plane(kEmissionOffset + c),
+                         *const depth = plane(kDepthOffset);
+      for (size_t x = 0; x < share.size(); ++x) {
+        float own = light[x];
+        if (channel == kRadianceOffset) {
+          if (has_emission_)
+            own -= emission[x];
+          else if (has_depth_ && depth[x] >= kEscapedDepth)
+            own = 0;
+        }
+        const float s_s = own / std::max(albedo[x] + specular[x], kLeastAlbedo);
+        out[x] += std::min(s_s, kLargestSignal) * share[x];
+      }
+    }
+  }
+
   void emission_row(size_t first, int c, const std::vector<float>& share, float* out) const {
     if (has_emission_) {
       mean_row(first, kEmissionOffset + c, share, out);
@@ -209,7 +238,8 @@ class GuideReader {
   std::optional<std::array<float, 9>> turn_;
   std::optional<RayGrid> rays_;
   int albedo_ = find_feature("albedo").offset, specular_ = find_feature("specular").offset;
-  bool has_depth_, has_normal_, has_id_, has_flow_, has_flow_depth_, has_emission_, demodulates_, splits_;
+  bool has_depth_, has_normal_, has_id_, has_flow_, has_flow_depth_, has_emission_, demodulates_, per_sample_,
+      splits_;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace ld {
 /// What both filters do before and after: S = (C - E) / A, the light without the surface's colour.
 struct IlluminationSettings {
   bool demodulate = true;         // filter light without the colour of surfaces: textures stay
+  bool per_sample = false;        // the mean of each sample's S instead of S of the means
   bool split = true;              // direct and indirect light apart, where a frame tells them
   std::string compress = "none";  // reinhard: c / (1 + c), less bright outliers, darker highlights
   double firefly_bound = 0;       // times the mean luminance of the eight pixels around; 0: any
@@ -19,6 +20,7 @@ struct IlluminationSettings {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("demodulate", demodulate);
+    v.field("per_sample", per_sample);
     v.field("split", split);
     v.field("compress", compress, {"none", "reinhard"});
     v.field("firefly_bound", firefly_bound, at_least(0));
@@ -60,8 +62,9 @@ struct SvgfSettings {
   int64_t longest_history = 32;  // frames
   int64_t feedback = 0;          // the level whose output is the next frame's history; -1: before the first
   double sigma_light = 4;        // in standard deviations
-  int64_t normal_squarings = 7;  // (n_p . n_q)^(2^7)
-  double sigma_depth = 1;        // in differences that the slope of the surface explains
+  std::string variance = "taps";    // behind a level: that of independent taps; moments: of filtered moments
+  int64_t normal_squarings = 7;     // (n_p . n_q)^(2^7)
+  double sigma_depth = 1;           // in differences that the slope of the surface explains
   std::string slope = "isotropic";  // the steeper direction counts for all; plane: each its own
   double depth_tolerance = 0.01;    // share of the depth that is no difference
   double history_depth =
@@ -81,6 +84,7 @@ struct SvgfSettings {
     v.field("longest_history", longest_history, {1, 65536});
     v.field("feedback", feedback, {-1, 4});
     v.field("sigma_light", sigma_light, {1e-6, 1e30});
+    v.field("variance", variance, {"taps", "moments"});
     v.field("normal_squarings", normal_squarings, {0, 10});
     v.field("sigma_depth", sigma_depth, {1e-6, 1e30});
     v.field("slope", slope, {"plane", "isotropic"});

@@ -98,6 +98,7 @@ void svgf_level(const Surfaces& surfaces, const RowPlanes& slopes, const RowPlan
       if (y + j >= 1 && y + j <= in.height()) row.above_below[size_t(j)] = in.row(y + j - 1);
     row.surface = weights;
     row.sigma_light = float(settings.sigma_light);
+    row.moments = settings.variance == "moments";
     svgf_level_row(row, in.planes() / 4);
   });
 }

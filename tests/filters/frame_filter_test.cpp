@@ -70,6 +70,33 @@ TEST(FrameFilter, TextureIsKeptBecauseTheLightIsFilteredWithoutIt) {
   }
 }
 
+TEST(FrameFilter, LightOfASampleIsDividedByItsOwnColour) {
+  // Two samples a pixel, of a bright and of a dark surface under constant light, and one of the sky.
+  Frame frame(6, 4, 3, kAllChannels);
+  frame.features = {"radiance", "albedo", "depth"};
+  for (size_t p = 0; p < 24; ++p)
+    for (int s = 0; s < 3; ++s) {
+      frame.plane(s, kDepthOffset)[p] = s == 2 ? kEscapedDepth : 10;
+      for (int c = 0; c < 3; ++c) {
+        frame.plane(s, kAlbedo + c)[p] = s == 0 ? 0.8F : s == 1 ? 0.1F : 0.0F;
+        frame.plane(s, kRadianceOffset + c)[p] = s == 0 ? 1.6F : s == 1 ? 0.2F : 5.0F;
+      }
+    }
+  Surfaces surfaces;
+  Illumination light;
+  IlluminationSettings settings;
+  settings.per_sample = true;
+  read_guides(frame, settings, surfaces, light, 1);
+  // 2 on each surface, and nothing from the sky, which is emission.
+  EXPECT_NEAR(light.signals.at(3, 2, 0), 4.0F / 3, 1e-6);
+  EXPECT_NEAR(light.emission.at(3, 2, 0), 5.0F / 3, 1e-6);
+  EXPECT_NEAR(light.albedo.at(3, 2, 0), 0.3, 1e-6);
+  const Frame wall = wall_frame(48, 36, 4, 0, 1);
+  for (const std::string kind : {"eaw", "svgf"})
+    EXPECT_LE(largest_error(denoise_once(filter(kind, {"per_sample=true"}), wall), mean_radiance(wall)), 1e-5)
+        << kind;
+}
+
 TEST(FrameFilter, DividedLightIsThatOfAWhiteSurface) {
   // Of a diffuse surface the light without its colour can be had by division or by tracing it in white.
   const Frame frame = wall_frame(30, 20, 1, 0.7F, 3);

@@ -199,7 +199,7 @@ void ReferenceSvgf::level(const Surfaces& surfaces, const DoublePlanes& slope, i
             g += h * in_variance[s][size_t(y + j)][size_t(x + i)];
           }
         g /= gauss;
-        double total = 0, squares = 0, sum[3] = {0, 0, 0}, sum_v = 0;
+        double total = 0, squares = 0, sum[3] = {0, 0, 0}, sum_v = 0, moments[2] = {0, 0};
         for (int j = -2; j <= 2; ++j)
           for (int i = -2; i <= 2; ++i) {
             const int u = x + i * stride, v = y + j * stride;
@@ -213,10 +213,16 @@ void ReferenceSvgf::level(const Surfaces& surfaces, const DoublePlanes& slope, i
             total += w;
             squares += w * w;
             sum_v += w * w * in_variance[s][size_t(v)][size_t(u)];
+            const double luminance = luminance_at(in, s, u, v);
+            moments[0] += w * luminance;
+            moments[1] += w * (in_variance[s][size_t(v)][size_t(u)] + luminance * luminance);
             for (size_t c = 0; c < 3; ++c) sum[c] += w * in[3 * s + c][size_t(v)][size_t(u)];
           }
         for (size_t c = 0; c < 3; ++c) light[3 * s + c][size_t(y)][size_t(x)] = sum[c] / total;
-        variance[s][size_t(y)][size_t(x)] = sum_v / (variance_slip ? squares : total * total);
+        variance[s][size_t(y)][size_t(x)] =
+            settings.variance == "moments"
+                ? std::max(0.0, moments[1] / total - moments[0] / total * (moments[0] / total))
+                : sum_v / (variance_slip ? squares : total * total);
       }
 }
 

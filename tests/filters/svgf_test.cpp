@@ -160,6 +160,34 @@ TEST(Svgf, VarianceFollowsTheIndependentTapsOnAFlatWall) {  // 2.9 d
   }
 }
 
+TEST(Svgf, VarianceOfMomentsIsThatOfTheLightUnderTheFilter) {
+  // Of taps that are alike it stays, of white noise with hardly any variance of its own it becomes that of the
+  // noise.
+  SvgfSettings settings = no_feedback();
+  settings.variance = "moments";
+  settings.sigma_light = 1e20;
+  const int side = 256;
+  const Surfaces wall = flat_wall(side, side);
+  RowPlanes slopes, out;
+  depth_slopes(wall, slopes, 1);
+  RowPlanes light(side, side, 4);
+  fill(light, [](int p, int, int) { return p == 3 ? 0.25F : 2.0F; });
+  svgf_level(wall, slopes, light, out, 0, settings, 1);
+  EXPECT_NEAR(out.at(100, 100, 3), 0.25, 1e-6);
+  const RowPlanes white = noise(side, side, 3, 5);
+  fill(light, [&](int p, int x, int y) { return p == 3 ? 1e-12F : white.at(x, y, 0); });
+  double input = 0, variance = 0, mean = 0;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) mean += white.at(x, y, 0) / double(side * side);
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) input += std::pow(white.at(x, y, 0) - mean, 2) / double(side * side);
+  svgf_level(wall, slopes, light, out, 0, settings, 1);
+  for (int y = 4; y < side - 4; ++y)
+    for (int x = 4; x < side - 4; ++x) variance += out.at(x, y, 3) / double((side - 8) * (side - 8));
+  // Taps that are independent are a sample with weights: 1 - sum h^2 of the variance, sum h^2 = 0.074768.
+  EXPECT_NEAR(variance / input, 1 - 0.074768, 0.03);
+}
+
 TEST(Svgf, WithTheVarianceDividedBySquaresItNeverFalls) {  // 2.9 d, the slip
   ReferenceSvgf slipped;
   slipped.settings.sigma_light = 1e30;
@@ -429,6 +457,7 @@ TEST(Svgf, IsTheEquationsInDoubleOnEveryInstructionSet) {  // 2.9 n
       for (const int64_t feedback : {-1, 0, 1}) {
         ReferenceSvgf reference;
         reference.settings.antilag = "none";
+        reference.settings.variance = feedback == 1 ? "moments" : "taps";
         reference.settings.slope = slope;
         reference.settings.feedback = feedback;
         ReferenceSvgfState state;
@@ -467,6 +496,7 @@ TEST(Svgf, ExtremeLightAndGuidesStayFinite) {
     for (const std::string antilag : {"none", "clip"}) {
       SvgfSettings settings;
       settings.antilag = antilag;
+      settings.variance = antilag == "none" ? "moments" : "taps";
       Sequence sequence{settings};
       for (int f = 0; f < 6; ++f) {
         Surfaces scene = busy_scene(width, height, uint64_t(f));

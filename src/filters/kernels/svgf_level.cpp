@@ -79,7 +79,7 @@ HWY_INLINE V blurred_variance(D d, const SvgfLevelRow& row, int64_t x, int plane
   return hn::Div(sum, hn::Mul(columns, hn::Set(d, rows)));
 }
 
-template <int kSignals, bool kIsotropic>
+template <int kSignals, bool kIsotropic, bool kMoments>
 HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
   const D d;
   const LevelRow& level = row.level;
@@ -92,7 +92,7 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
     if (kIsotropic)
       for (size_t k = 0; k < kTapDistances; ++k) reach[k] = here.precision_at(d, level.distances[k]);
     Colour c_p[kSignals], sum[kSignals];
-    V v_p[kSignals], y_p[kSignals], precision[kSignals], total[kSignals], sum_v[kSignals];
+    V v_p[kSignals], y_p[kSignals], precision[kSignals], total[kSignals], sum_v[kSignals], sum_y[kSignals];
     for (int s = 0; s < kSignals; ++s) {
       const float* in = level.in + pitch * 4 * s + x;
       c_p[s] = load_colour(d, in, pitch);
@@ -102,7 +102,8 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
       precision[s] = hn::Div(hn::Set(d, -kLog2E),
                              hn::MulAdd(deviation, hn::Set(d, row.sigma_light), hn::Set(d, 1e-10F)));
       sum[s] = scaled(c_p[s], centre);
-      sum_v[s] = hn::Mul(v_p[s], hn::Mul(centre, centre));
+      sum_v[s] = hn::Mul(v_p[s], kMoments ? centre : hn::Mul(centre, centre));
+      sum_y[s] = hn::Zero(d);
       total[s] = centre;
     }
     for_each_tap(d, level, x, [&](const LevelTap& tap, auto same) HWY_ATTR {
@@ -113,11 +114,16 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
       for (int s = 0; s < kSignals; ++s) {
         const float* in = tap.in + pitch * 4 * s + x;
         const Colour c_q = load_colour(d, in, pitch);
-        const V difference = hn::Abs(hn::Sub(y_p[s], luminance(d, c_q)));
-        const V hw = hn::Mul(h, power_of_two(d, hn::MulAdd(difference, precision[s], z)));
+        const V more = hn::Sub(luminance(d, c_q), y_p[s]), v_q = hn::LoadU(d, in + 3 * pitch);
+        const V hw = hn::Mul(h, power_of_two(d, hn::MulAdd(hn::Abs(more), precision[s], z)));
         total[s] = hn::Add(total[s], hw);
         add_weighted(sum[s], hw, c_q);
-        sum_v[s] = hn::MulAdd(hn::Mul(hw, hw), hn::LoadU(d, in + 3 * pitch), sum_v[s]);
+        if (kMoments) {
+          sum_y[s] = hn::MulAdd(hw, more, sum_y[s]);
+          sum_v[s] = hn::MulAdd(hw, hn::MulAdd(more, more, v_q), sum_v[s]);
+        } else {
+          sum_v[s] = hn::MulAdd(hn::Mul(hw, hw), v_q, sum_v[s]);
+        }
       }
     });
     const V surface = hn::LoadU(d, level.surfaces + kId * pitch + x);
@@ -126,16 +132,28 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
       const V share = hn::Div(hn::Set(d, 1.0F), total[s]);
       float* out = level.out + pitch * 4 * s + x;
       store_colour(d, if_then_else(any, scaled(sum[s], share), c_p[s]), out, pitch);
-      hn::StoreU(hn::IfThenElse(any, hn::Mul(sum_v[s], hn::Mul(share, share)), v_p[s]), d, out + 3 * pitch);
+      V v = hn::Mul(sum_v[s], share);
+      if (kMoments) {
+        const V mean = hn::Mul(sum_y[s], share);
+        v = hn::Max(hn::NegMulAdd(mean, mean, v), hn::Zero(d));
+      } else {
+        v = hn::Mul(v, share);
+      }
+      hn::StoreU(hn::IfThenElse(any, v, v_p[s]), d, out + 3 * pitch);
     }
   }
 }
 
+template <int kSignals, bool kIsotropic>
+void level_with(const SvgfLevelRow& row) {
+  row.moments ? level_row<kSignals, kIsotropic, true>(row) : level_row<kSignals, kIsotropic, false>(row);
+}
+
 void level_any(const SvgfLevelRow& row, int signals) {
   if (row.surface.isotropic)
-    signals == 1 ? level_row<1, true>(row) : level_row<2, true>(row);
+    signals == 1 ? level_with<1, true>(row) : level_with<2, true>(row);
   else
-    signals == 1 ? level_row<1, false>(row) : level_row<2, false>(row);
+    signals == 1 ? level_with<1, false>(row) : level_with<2, false>(row);
 }
 
 /// Sums over the neighbourhood of a vector of pixels, moments about m1(p): no digits are lost when all are

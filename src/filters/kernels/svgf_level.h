@@ -25,9 +25,12 @@ struct SvgfLevelRow {
   std::array<const float*, 3> above_below{};  // rows y - 1 to y + 1 of `in`, null outside
   SurfaceWeights surface;
   float sigma_light = 4;
+  bool moments = false;
 };
 
-/// c'(p) = sum_q h w c(q) / sum_q h w,  v'(p) = sum_q h^2 w^2 v(q) / (sum_q h w)^2,
+/// c'(p) = sum_q h w c(q) / sum_q h w,  v'(p) = sum_q h^2 w^2 v(q) / (sum_q h w)^2, that of independent taps,
+/// or, `moments`, of one distribution: m2' - m1'^2 of the moments m = (Y, v + Y^2), filtered as the colour
+/// is;
 ///   w = w_n w_z w_l,  w_l = exp(-|Y_p - Y_q| / (sigma_light sqrt(g(p)) + 1e-10)),
 /// g the variance under a 3x3 Gaussian; for `signals` (1 or 2) of four planes each: colour and variance.
 void svgf_level_row(const SvgfLevelRow& row, int signals);
