@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,28 @@ TEST(QuantisedWeight, EachOutputIsOffByHalfALevelAtMost) {
   EXPECT_EQ(made.quantised->levels[4], 0);
   for (size_t i = 0; i < weight.values.size(); ++i)
     EXPECT_NEAR(made.values[i], weight.values[i], 0.5001 * double(made.quantised->scales[i / 2])) << i;
+}
+
+TEST(ActivationRanges, OnePixelThatReachesFarWidensNone) {
+  const NetworkWeights network = random_network("layer");
+  const auto first = std::find_if(
+      network.graph.nodes.begin(), network.graph.nodes.end(),
+      [](const graph::Node& node) { return std::holds_alternative<graph::Convolution>(node.op); });
+  ASSERT_NE(first, network.graph.nodes.end());
+  const auto range = [&](const Frame& frame) {
+    ActivationRanges ranges(network);
+    ranges.add(frame, 1);
+    return ranges.of(*first);
+  };
+  Frame frame = random_frame(160, 120, 1);
+  const float plain = range(frame);
+  EXPECT_GT(plain, 0);
+  // A guide enters as it is: all that is computed of this pixel is ten thousands of times larger.
+  frame.plane(0, kNormalOffset)[size_t(60 * 160 + 80)] = 65504;
+  EXPECT_LT(range(frame), 1.2F * plain);
+  // Not all are cut off: where half the picture reaches far, the range does.
+  for (size_t i = 0; i < frame.plane_size() / 2; ++i) frame.plane(0, kNormalOffset)[i] = 65504;
+  EXPECT_GT(range(frame), 100 * plain);
 }
 
 TEST(QuantisedNetwork, IsCloseToTheFloatOne) {
