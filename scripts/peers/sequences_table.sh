@@ -2,13 +2,13 @@
 # EAW and SVGF beside networks that see one frame at a time: ours, Open Image Denoise, and Open Image Denoise behind SVGF's temporal
 # accumulation, which is how it is used for films today. One table: errors, steadiness and times, with intervals over sequences.
 #   scripts/peers/sequences_table.sh [OUT [SAMPLES]]     (default: out/sequences_table, 1 sample a pixel)
-# Renders the test split of data/recipes/sequence_quick.yaml (minutes; OUT/data may hold it already). Needs the programs in build/bin/ and
-# out/peers/venv (scripts/peers/setup.sh).
+# Renders the test split of data/recipes/sequence_quick.yaml (minutes; OUT/data may hold it already). Needs the programs in build/bin/;
+# installs Open Image Denoise from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=${1:-out/sequences_table} samples=${2:-1}
 python=out/peers/venv/bin/python
-[ -x "$python" ] || { echo "sequences_table.sh: found no $python; scripts/peers/setup.sh makes it" >&2; exit 1; }
+scripts/peers/setup.sh numpy pyoidn OpenEXR >&2
 mkdir -p "$out"
 build/bin/ld_render --recipe data/recipes/sequence_quick.yaml --frames 108:216 --out "$out/data" reference_spp.test=48
 "$python" scripts/peers/oidn_denoise.py --data "$out/data" --samples "$samples" --out "$out/oidn"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/window_sums.h"
 
 namespace ld {
 namespace {
@@ -30,36 +31,6 @@ Estimate estimate(const Frame& frame, int channel, size_t pixel, int first, int 
   if (result.drawn > 1) result.variance = squares / (double(result.drawn) * (result.drawn - 1));
   return result;
 }
-
-/// Means over windows, of planes of doubles: sums of columns, then of rows, each a running one.
-class WindowMean {
- public:
-  WindowMean(int width, int height) : width_(width), height_(height) {}
-
-  /// Sums over the window about each pixel, as far as it lies in the picture.
-  std::vector<double> sums(const std::vector<double>& plane) const {
-    std::vector<double> across(plane.size()), result(plane.size());
-    for (int y = 0; y < height_; ++y) sum_line(plane.data() + at(0, y), 1, width_, across.data() + at(0, y));
-    for (int x = 0; x < width_; ++x) sum_line(across.data() + x, width_, height_, result.data() + x);
-    return result;
-  }
-
- private:
-  size_t at(int x, int y) const { return size_t(y) * size_t(width_) + size_t(x); }
-
-  /// Every window is summed anew: a running sum would keep the rounding of bright pixels it has left.
-  static void sum_line(const double* values, std::ptrdiff_t step, int count, double* sums) {
-    constexpr int kRadius = kBlendWindow / 2;
-    for (int i = 0; i < count; ++i) {
-      double sum = 0;
-      for (int j = std::max(i - kRadius, 0); j <= std::min(i + kRadius, count - 1); ++j)
-        sum += values[j * step];
-      sums[i * step] = sum;
-    }
-  }
-
-  int width_, height_;
-};
 
 /// What a pixel says of the errors, each a mean over the channels.
 struct Evidence {
@@ -98,13 +69,15 @@ Evidence gather(const Frame& frame, const Image& first, const Image& second) {
   return evidence;
 }
 
-/// a of a window of so many known pixels, with the sums of what they say.
-double share_of_denoised(double count, double variance, double bias, double bias_squared) {
+/// a of a pixel of that variance in a window of so many known pixels, with the sums of what they say.
+double share_of_denoised(double own_variance, double count, double variance, double bias,
+                         double bias_squared) {
   if (!(variance > 0)) return 0;
   const double mean = bias / count;
   const double deviation =
       std::sqrt(std::max(bias_squared / count - mean * mean, 0.0) / std::max(count - 1, 1.0));
-  const double own = std::max(mean - kBlendConfidence * deviation, 0.0), noise = variance / count;
+  const double own = std::max(mean - kBlendConfidence * deviation, 0.0),
+               noise = std::max(variance / count, own_variance);
   return noise / (noise + own);
 }
 
@@ -134,13 +107,17 @@ Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& 
       fail("a picture of {}x{} beside a frame of {}x{}", image->width, image->height, frame.width,
            frame.height);
   const Evidence evidence = gather(frame, first, second);
-  const WindowMean window(frame.width, frame.height);
-  const std::vector<double> count = window.sums(evidence.known), variance = window.sums(evidence.variance),
-                            bias = window.sums(evidence.bias), squared = window.sums(evidence.bias_squared);
+  const auto sums = [&](const std::vector<double>& plane) {
+    return window_sums(plane, frame.width, frame.height, kBlendWindow / 2);
+  };
+  const std::vector<double> count = sums(evidence.known), variance = sums(evidence.variance),
+                            bias = sums(evidence.bias), squared = sums(evidence.bias_squared);
   Blended result = {denoised, Image(frame.width, frame.height, 1)};
   const Image mean = mean_radiance(frame);
   for (size_t p = 0; p < frame.plane_size(); ++p) {
-    const double a = count[p] > 0 ? share_of_denoised(count[p], variance[p], bias[p], squared[p]) : 1;
+    const double a = count[p] > 0
+                         ? share_of_denoised(evidence.variance[p], count[p], variance[p], bias[p], squared[p])
+                         : 1;
     result.weight.pixels[p] = float(a);
     for (int c = 0; c < 3; ++c) {
       const double y = mean.plane(c)[p];

@@ -29,12 +29,13 @@ struct Blended {
 
 /// y + a (d - y), with y the mean of the samples and a = v / (v + b^2) a pixel: the least expected error of
 /// such a mixture. Both are means over kBlendWindow^2 pixels and the channels, weighted by 1 / (h^2 + 0.01)
-/// for a denoised half h: v the variance of y, from the samples' spread within the pixel; b^2 the squared
-/// error of a denoised half, the mean over both of (h - z)^2 - var(z) with z the mean of the other half, less
-/// kBlendConfidence times that estimate's standard error, at least 0. Where v is 0, a is 0. A pixel in which
-/// one half is not valid says nothing of either. `denoised` is of all samples; `first` and `second` of
-/// half_of(frame, 0) and half_of(frame, 1). Finite for all finite pictures. Throws Error when the sizes
-/// differ or can_blend() is false.
+/// for a denoised half h: v the variance of y, from the samples' spread within the pixel, and the pixel's own
+/// where that is larger (one bright sample would stay as a speck); b^2 the squared error of a denoised half,
+/// the mean over both of (h - z)^2 - var(z) with z the mean of the other half, less kBlendConfidence times
+/// that estimate's standard error, at least 0. Where v is 0, a is 0. A pixel in which one half is not valid
+/// says nothing of either. `denoised` is of all samples; `first` and `second` of half_of(frame, 0) and
+/// half_of(frame, 1). Finite for all finite pictures. Throws Error when the sizes differ or can_blend() is
+/// false.
 Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& first, const Image& second);
 
 }  // namespace ld

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/window_sums.h"
 #include "metrics/detail_filter.h"
 #include "metrics/image_pair.h"
 
@@ -37,24 +38,13 @@ std::vector<double> channel_mean(const std::vector<double>& planes) {
   return mean;
 }
 
-/// Means over windows of 2 radius + 1 pixels, along rows (step 1) and columns, of the pixels that count.
-std::vector<double> box_means(std::vector<double> values, std::vector<double> weights, int width, int height,
-                              int radius) {
-  for (const bool rows : {true, false}) {
-    const int length = rows ? width : height, lines = rows ? height : width;
-    const size_t step = rows ? 1 : size_t(width), stride = rows ? size_t(width) : 1;
-    for (std::vector<double>* plane : {&values, &weights})
-      for (int line = 0; line < lines; ++line) {
-        std::vector<double> ahead(size_t(length) + 1);
-        double* const at = plane->data() + size_t(line) * stride;
-        for (int i = 0; i < length; ++i) ahead[size_t(i) + 1] = ahead[size_t(i)] + at[size_t(i) * step];
-        for (int i = 0; i < length; ++i)
-          at[size_t(i) * step] =
-              ahead[size_t(std::min(i + radius + 1, length))] - ahead[size_t(std::max(i - radius, 0))];
-      }
-  }
-  for (size_t i = 0; i < values.size(); ++i) values[i] = weights[i] > 0.5 ? values[i] / weights[i] : 0;
-  return values;
+/// Means over the window around each pixel, of the pixels that count.
+std::vector<double> window_means(const std::vector<double>& values, const std::vector<double>& counts,
+                                 const SequenceGround& ground) {
+  std::vector<double> means = window_sums(values, ground.width, ground.height, kLightRadius);
+  const std::vector<double> count = window_sums(counts, ground.width, ground.height, kLightRadius);
+  for (size_t i = 0; i < means.size(); ++i) means[i] = count[i] > 0.5 ? means[i] / count[i] : 0;
+  return means;
 }
 
 /// How the light on each pixel changed: of the reference less the warped one before, the mean over channels
@@ -67,7 +57,7 @@ std::vector<double> light_change(const SequenceGround& ground) {
     seen[p] = ground.warp[p].valid ? 1 : 0;
     if (ground.warp[p].valid) change[p] = now[p] - past[p];
   }
-  return box_means(std::move(change), std::move(seen), ground.width, ground.height, kLightRadius);
+  return window_means(change, seen, ground);
 }
 
 /// What came into view less what was seen at its place in the frame before, the mean over channels and the
@@ -84,7 +74,7 @@ std::vector<double> replacement(const SequenceGround& ground, const SurfaceGuide
     came[p] = 1;
     change[p] = now[p] - before[size_t(v) * size_t(ground.width) + size_t(u)];
   }
-  return box_means(std::move(change), std::move(came), ground.width, ground.height, kLightRadius);
+  return window_means(change, came, ground);
 }
 
 }  // namespace

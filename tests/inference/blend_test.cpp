@@ -83,6 +83,19 @@ TEST(Blend, TheErrorFallsWithEveryFourfoldNumberOfSamples) {
   }
 }
 
+TEST(Blend, OneBrightSampleLeavesNoSpeck) {
+  // A denoiser that is a little off everywhere, so that the mean is mixed in, and one sample a thousand times
+  // too bright.
+  Frame frame = exponential_frame(64);
+  const size_t firefly = frame.plane_size() / 2 + kSide / 2;
+  for (int c = 0; c < 3; ++c) frame.plane(5, kRadianceOffset + c)[firefly] = 1000 * kTruth;
+  const Image picture = constant(kTruth + 0.3F);
+  const Blended blended = blend_with_mean(frame, picture, picture, picture);
+  EXPECT_LT(blended.weight.pixels[0], 0.3F);
+  EXPECT_GT(blended.weight.pixels[firefly], 0.99F);
+  EXPECT_LT(blended.picture.pixels[firefly], 2 * kTruth);
+}
+
 TEST(Blend, WithoutNoiseTheMeanIsTheResult) {
   Frame frame = exponential_frame(4);
   for (int s = 0; s < 4; ++s)
