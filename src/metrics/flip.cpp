@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/pi.h"
 #include "core/tone_map.h"
 #include "metrics/image_pair.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 using Plane = std::vector<double>;
 using Colour = std::array<double, 3>;
-constexpr double kPi = 3.14159265358979323846;
 
 constexpr double kColourExponent = 0.7, kFeatureExponent = 0.5;  // q_c, q_f
 constexpr double kColourShare = 0.4, kColourShown = 0.95;        // p_c, p_t

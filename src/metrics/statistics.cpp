@@ -5,10 +5,11 @@
 #include <cstddef>
 #include <numeric>
 
+#include "core/pi.h"
+
 namespace ld {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr size_t kExactDifferences = 50;
 
 bool all_finite(const std::vector<double>& values) {

@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/pi.h"
 
 namespace ld {
 namespace {
-
-constexpr double kPi = 3.14159265358979;
 
 /// From `from` to `to` along half a cosine; `progress` is clamped to [0, 1].
 double along_cosine(double from, double to, double progress) {
