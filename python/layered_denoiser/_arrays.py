@@ -119,3 +119,13 @@ def checked_count(what: str, value: Any, most: int) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= most:
         raise ValueError(f"{what} is {value!r}; expected a whole number from 0 to {most}")
     return int(value)
+
+
+def checked_matrix(name: str, matrix: ArrayLike | None) -> list[float]:
+    """The 16 numbers row by row; none for None."""
+    if matrix is None:
+        return []
+    array = np.asarray(matrix, dtype=np.float64)
+    if array.shape != (4, 4) or not np.isfinite(array).all():
+        raise ValueError(f"{name} is {shape_text(array.shape)}; expected 4 x 4 finite numbers, or None")
+    return [float(number) for number in array.ravel()]

@@ -12,32 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import checked_alpha, checked_count, checked_parts, checked_samples, checked_valid
+from ._arrays import checked_alpha, checked_count, checked_matrix, checked_parts, checked_samples, checked_valid
 from ._files import Frame
 
-_MODELS = Path(__file__).parent / "models"
+_native.keep_released_models_in(str(Path(__file__).parent / "models"))
 
 
 def released_weights() -> list[str]:
     """The names of the weights that come with this package, which Denoiser() takes."""
-    return sorted(path.stem for path in _MODELS.glob("*.safetensors"))
-
-
-def _resolve(weights: str | os.PathLike[str]) -> str:
-    """A path that exists, or the file of released weights: "common" stands for the best of that name, as for ld_denoise."""
-    path = os.fspath(weights)
-    if not isinstance(path, str):
-        raise ValueError(f"weights are {path!r}; expected a path or a name as text")
-    if os.path.exists(path):
-        return path
-    if path and path == os.path.basename(path):
-        for size in ("", "_fine", "_fast"):
-            file = _MODELS / f"{path}{size}.safetensors"
-            if file.is_file():
-                return str(file)
-    raise RuntimeError(
-        f"no such weights: {path}; expected a file, the folder of a run, or one of the released {', '.join(released_weights())}"
-    )
+    return list(_native.released_models())
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,31 +36,56 @@ class DenoisedParts:
 
 
 class Denoiser:
-    """A network with its weights.
+    """A network with its weights, or a filter (Denoiser.filter).
 
     `weights` is a .safetensors file, a checkpoint or run folder of ld_train, or the name of released weights: "common" (the default),
     "common_fast", "means" (for renders of which only each pixel's mean is known). What was planned for a frame is kept for the next
-    of its size. One denoiser works for one thread at a time; two may work in two threads.
+    of its size. One denoiser works for one thread at a time; two may work in two threads. Where `remembers` is true, every frame is the next of
+    a sequence, until restart() or another size.
 
     Raises RuntimeError where there are no such weights, or where they are damaged.
     """
 
     def __init__(self, weights: str | os.PathLike[str] = "common") -> None:
-        self._weights = _resolve(weights)
+        path = os.fspath(weights)
+        if not isinstance(path, str):
+            raise ValueError(f"weights are {path!r}; expected a path or a name as text")
+        # A run folder stays what it is: its best checkpoint may become another.
+        self._weights = path if os.path.exists(path) else _native.resolve_model(path)
         self._native = _native.Denoiser(self._weights)
 
+    @classmethod
+    def filter(cls, kind: str, **settings: Any) -> Denoiser:
+        """A denoiser without weights: "eaw" (Dammertz et al. 2010) or "svgf" (Schied et al. 2017), with settings such as alpha=0.1
+        (docs/filters.md). "svgf" remembers. Raises ValueError for another kind or setting.
+        """
+        self = cls.__new__(cls)
+        self._weights = ""
+        texts = [f"{key}={str(value).lower() if isinstance(value, bool) else value}" for key, value in settings.items()]
+        self._native = _native.Denoiser(kind, texts)
+        return self
+
     def __repr__(self) -> str:
-        return f"<layered_denoiser.Denoiser {self._native.network} of {self._weights}>"
+        return f"<layered_denoiser.Denoiser {self._native.name}{' of ' + self._weights if self._weights else ''}>"
 
     @property
     def weights(self) -> str:
-        """The file or folder that the weights come from."""
+        """The file or folder that the weights come from; empty for a filter."""
         return self._weights
 
     @property
     def network(self) -> str:
-        """The name of the network."""
-        return self._native.network
+        """The name of the network, or of the filter."""
+        return self._native.name
+
+    @property
+    def remembers(self) -> bool:
+        """Whether frames have something of those before."""
+        return self._native.remembers
+
+    def restart(self) -> None:
+        """The next frame follows none of those before, as after a cut."""
+        self._native.restart()
 
     @property
     def features(self) -> dict[str, int]:
@@ -98,6 +106,8 @@ class Denoiser:
         threads: int = 0,
         max_memory_mb: int = 0,
         progress: Callable[[float], Any] | None = None,
+        world_to_camera: ArrayLike | None = None,
+        world_to_ndc: ArrayLike | None = None,
     ) -> NDArray[np.float32]:
         """Denoises a frame: [height, width, 3], linear, float32.
 
@@ -111,12 +121,14 @@ class Denoiser:
         threads: that compute; 0: OMP_NUM_THREADS, or all CPUs of the process. The bits are those of ld_denoise with as many.
         max_memory_mb: what the whole process may take, in MB of 2^20 bytes, the samples' copy aside; 0: no bound.
         progress: called now and then with the share that is done, 0 to 1. A result that is false, other than None, cancels.
+        world_to_camera, world_to_ndc: [4, 4], OpenEXR's matrices for points as rows, for filters; None: those of the Frame, or not known.
 
         Python's lock is released while this computes. Ctrl-C ends it with KeyboardInterrupt.
 
         Raises ValueError for arrays that do not fit and for a memory bound that is too small, Cancelled, and what `progress` raises.
         """
-        return self._denoise(samples, {}, None, valid, depth_scale, threads, max_memory_mb, progress)[0]
+        matrices = (world_to_camera, world_to_ndc)
+        return self._denoise(samples, {}, None, valid, depth_scale, threads, max_memory_mb, progress, matrices)[0]
 
     def denoise_parts(
         self,
@@ -129,6 +141,8 @@ class Denoiser:
         threads: int = 0,
         max_memory_mb: int = 0,
         progress: Callable[[float], Any] | None = None,
+        world_to_camera: ArrayLike | None = None,
+        world_to_ndc: ArrayLike | None = None,
     ) -> DenoisedParts:
         """Denoises a frame and, with the picture's own weights, parts of its light and its alpha.
 
@@ -141,7 +155,8 @@ class Denoiser:
         """
         if parts is None:
             parts = samples.parts if isinstance(samples, Frame) else {}
-        pictures = self._denoise(samples, parts, alpha, valid, depth_scale, threads, max_memory_mb, progress)
+        matrices = (world_to_camera, world_to_ndc)
+        pictures = self._denoise(samples, parts, alpha, valid, depth_scale, threads, max_memory_mb, progress, matrices)
         named = dict(zip(parts, pictures[1:]))
         return DenoisedParts(pictures[0], named, None if alpha is None else pictures[-1][..., 0])
 
@@ -155,12 +170,14 @@ class Denoiser:
         threads: int,
         max_memory_mb: int,
         progress: Callable[[float], Any] | None,
+        matrices: tuple[ArrayLike | None, ArrayLike | None],
     ) -> list[NDArray[np.float32]]:
         """The picture, the parts in their order, and alpha [height, width, 1] where it is given."""
         scale: float | None = None
         if isinstance(samples, Frame):
             valid = samples.valid if valid is None else valid
             scale = samples.depth_scale
+            matrices = tuple(own if given is None else given for given, own in zip(matrices, (samples.world_to_camera, samples.world_to_ndc)))
             samples = samples.samples
         scale = scale if depth_scale is None else depth_scale
         if scale is not None and not (isinstance(scale, (int, float, np.floating)) and 0 < scale < np.inf):
@@ -178,4 +195,6 @@ class Denoiser:
             checked_count("threads", threads, 4096),
             checked_count("max_memory_mb", max_memory_mb, 10**9),
             progress,
+            checked_matrix("world_to_camera", matrices[0]),
+            checked_matrix("world_to_ndc", matrices[1]),
         )

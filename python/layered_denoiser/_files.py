@@ -27,6 +27,14 @@ class Frame:
     """The median depth, as the program found it that wrote the file: depths are seen relative to it."""
     parts: dict[str, NDArray[np.float32]] = field(default_factory=dict)
     """Parts of the light, [samples, height, width, 3] by name: those that read_frame() was asked for."""
+    world_to_camera: NDArray[np.float64] | None = None
+    """[4, 4], for points as rows, as OpenEXR's attribute has it; None where the file has none. Filters read it."""
+    world_to_ndc: NDArray[np.float64] | None = None
+    """The same of worldToNDC."""
+
+
+def _matrix(numbers: list[float]) -> NDArray[np.float64] | None:
+    return np.array(numbers).reshape(4, 4) if numbers else None
 
 
 def read_frame(path: str | os.PathLike[str], samples: int = 0, also: Sequence[str] = ()) -> Frame:
@@ -41,8 +49,8 @@ def read_frame(path: str | os.PathLike[str], samples: int = 0, also: Sequence[st
     count = checked_count("samples", samples, 4096)
     if isinstance(also, str) or not all(isinstance(pattern, str) for pattern in also):
         raise ValueError(f"also is {also!r}; expected a list of patterns")
-    arrays, valid, alpha, depth_scale, parts = _native.read_frame(os.fspath(path), count, 0, list(also))
-    return Frame(arrays, valid.view(np.bool_), alpha, depth_scale, parts)
+    arrays, valid, alpha, depth_scale, parts, camera, ndc = _native.read_frame(os.fspath(path), count, 0, list(also))
+    return Frame(arrays, valid.view(np.bool_), alpha, depth_scale, parts, _matrix(camera), _matrix(ndc))
 
 
 def read_image(path: str | os.PathLike[str]) -> NDArray[np.float32]:

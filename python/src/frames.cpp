@@ -1,5 +1,7 @@
 #include "frames.h"
 
+#include <nanobind/stl/vector.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -43,7 +45,11 @@ nb::tuple read_frame_arrays(const std::string& path, int samples, int threads,
     parts[held.parts[part].name.c_str()] = nb::cast(
         nb::ndarray<nb::numpy, float, nb::ndim<4>>(held.part_plane(part, 0, 0), 4, four, owner, strides));
   }
-  return nb::make_tuple(arrays, valid, alpha, held.info.depth_scale, parts);
+  const auto numbers = [](const std::optional<Matrix4>& matrix) {
+    return matrix ? std::vector<double>(matrix->begin(), matrix->end()) : std::vector<double>();
+  };
+  return nb::make_tuple(arrays, valid, alpha, held.info.depth_scale, parts,
+                        numbers(held.info.world_to_camera), numbers(held.info.world_to_ndc));
 }
 
 nb::ndarray<nb::numpy, float, nb::ndim<3>> read_image_array(const std::string& path) {

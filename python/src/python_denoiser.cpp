@@ -7,7 +7,6 @@
 #include "core/threads.h"
 #include "embed/floating_point.h"
 #include "embed/frame_buffers.h"
-#include "models/network_config.h"
 
 namespace nb = nanobind;
 
@@ -108,8 +107,8 @@ FrameBuffers buffers_of(const PythonSamples& samples, std::vector<Pixels>& pixel
   return buffers;
 }
 
-SampleArrays arrays_of(const FrameBuffers& buffers, const Denoiser& denoiser, float depth_scale) {
-  SampleArrays arrays = buffers.arrays(denoiser.network_config().features, denoiser.features());
+SampleArrays arrays_of(const FrameBuffers& buffers, const SequenceDenoiser& denoiser, float depth_scale) {
+  SampleArrays arrays = buffers.arrays(denoiser.features(), denoiser.required());
   arrays.depth_scale = depth_scale;
   if (!arrays.any_valid())
     fail_usage(
@@ -118,13 +117,35 @@ SampleArrays arrays_of(const FrameBuffers& buffers, const Denoiser& denoiser, fl
   return arrays;
 }
 
+FilterArgument filter_argument(const std::string& kind, const std::vector<std::string>& settings) {
+  std::vector<std::string> none;
+  FilterArgument argument = parse_filter_arguments({kind}, none).front();
+  argument.assignments = settings;
+  return argument;
+}
+
+std::optional<Matrix4> matrix_of(const std::vector<float>& values) {
+  Matrix4 matrix;
+  if (values.size() != matrix.size()) return std::nullopt;
+  std::copy(values.begin(), values.end(), matrix.begin());
+  return matrix;
+}
+
 }  // namespace
 
 PythonDenoiser::PythonDenoiser(const std::string& weights) : denoiser_(weights) {}
 
+PythonDenoiser::PythonDenoiser(const std::string& kind, const std::vector<std::string>& settings)
+    : denoiser_(filter_argument(kind, settings)) {}
+
+void PythonDenoiser::restart() {
+  const OneCall call(busy_);
+  denoiser_.restart();
+}
+
 std::vector<std::pair<std::string, int>> PythonDenoiser::features() const {
   std::vector<std::pair<std::string, int>> features;
-  for (const std::string& name : network_config().features)
+  for (const std::string& name : denoiser_.features())
     features.emplace_back(name, find_feature(name).channels);
   return features;
 }
@@ -144,8 +165,8 @@ std::vector<PictureArray> PythonDenoiser::denoise(const PythonSamples& samples,
   {
     const nb::gil_scoped_release unlocked;
     const FloatingPointGuard settings;
-    const DenoisedParts denoised =
-        denoiser_.denoise_parts(arrays_of(buffers, denoiser_, how.depth_scale), options);
+    denoiser_.set_camera(matrix_of(how.world_to_camera), matrix_of(how.world_to_ndc));
+    const DenoisedParts denoised = denoiser_.denoise(arrays_of(buffers, denoiser_, how.depth_scale), options);
     const LdStrides interleaved = pixels[0].strides();
     scatter(denoised.picture, pixels[0].memory.get(), &interleaved, options.threads);
     buffers.scatter_parts(denoised, options.threads);

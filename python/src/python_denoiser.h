@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "inference/denoiser.h"
+#include "embed/sequence_denoiser.h"
 
 namespace ld {
 
@@ -35,18 +35,23 @@ struct PythonDenoiseOptions {
   float depth_scale = 0;  // 0: the median of the depths
   int threads = 0;
   int64_t max_memory_mb = 0;
-  nanobind::object progress;  // None or a function of the share that is done
+  std::vector<float> world_to_camera, world_to_ndc;  // 16 numbers, or none: not known
+  nanobind::object progress;                         // None or a function of the share that is done
 };
 
 class PythonDenoiser {
  public:
   explicit PythonDenoiser(const std::string& weights);
+  /// A filter and its settings, "key=value".
+  PythonDenoiser(const std::string& kind, const std::vector<std::string>& settings);
 
-  const NetworkConfig& network_config() const { return denoiser_.network_config(); }
+  const std::string& name() const { return denoiser_.name(); }
+  bool remembers() const { return denoiser_.remembers(); }
+  void restart();
 
-  /// Name and channels of the features that the network reads, in its order.
+  /// Name and channels of the features that are read, in their order.
   std::vector<std::pair<std::string, int>> features() const;
-  const std::vector<std::string>& required() const { return denoiser_.features(); }
+  const std::vector<std::string>& required() const { return denoiser_.required(); }
 
   /// The picture, and filtered with its weights the parts and alpha, where there is one, in this order. The
   /// arrays have one size, and their features the channels that the schema says: the Python side of the
@@ -55,7 +60,7 @@ class PythonDenoiser {
   std::vector<PictureArray> denoise(const PythonSamples& samples, const PythonDenoiseOptions& how);
 
  private:
-  Denoiser denoiser_;
+  SequenceDenoiser denoiser_;
   std::atomic<bool> busy_{false};
 };
 

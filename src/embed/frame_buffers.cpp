@@ -95,7 +95,7 @@ Frame gather(const SampleArrays& arrays, int threads) {
     const int s = int(i / arrays.height), y = int(i % arrays.height);
     arrays.copy({s, y, 0, arrays.width}, frame, s, size_t(y) * size_t(arrays.width));
   });
-  frame.info.depth_scale = median_depth(frame, threads);
+  frame.info.depth_scale = arrays.depth_scale > 0 ? arrays.depth_scale : median_depth(frame, threads);
   return frame;
 }
 

@@ -13,19 +13,15 @@
 #include "core/threads.h"
 #include "embed/floating_point.h"
 #include "embed/frame_buffers.h"
-#include "filters/frame_filter.h"
-#include "inference/denoiser.h"
-#include "models/network_config.h"
+#include "embed/sequence_denoiser.h"
 
 struct LdDenoiser {
-  std::optional<ld::Denoiser> model;  // or:
-  std::optional<ld::FrameFilter> filter;
-  std::vector<std::string> features, required;
+  /// Of weights or a filter.
+  template <class Source>
+  explicit LdDenoiser(const Source& source) : engine(source) {}
 
+  ld::SequenceDenoiser engine;
   ld::FrameBuffers buffers;
-  std::optional<ld::Matrix4> world_to_camera, world_to_ndc;
-  ld::SequenceState state;
-  int64_t position = 0;  // of the next frame in its sequence
   ld::DenoiseOptions options;
   bool cancelled = false;             // by the progress function of the call that runs
   ld::FloatingPointSettings callers;  // of the call that runs
@@ -65,7 +61,8 @@ int threads() {
 
 const std::string* feature(const LdDenoiser* denoiser, int index) {
   if (denoiser == nullptr || index < 0) return nullptr;
-  return size_t(index) < denoiser->features.size() ? &denoiser->features[size_t(index)] : nullptr;
+  const std::vector<std::string>& features = denoiser->engine.features();
+  return size_t(index) < features.size() ? &features[size_t(index)] : nullptr;
 }
 
 std::optional<ld::Matrix4> matrix_of(const float* values) {
@@ -73,19 +70,6 @@ std::optional<ld::Matrix4> matrix_of(const float* values) {
   ld::Matrix4 matrix;
   std::copy_n(values, matrix.size(), matrix.begin());
   return matrix;
-}
-
-/// The picture and its parts; a filter takes it for the next one of its sequence.
-ld::DenoisedParts denoised(LdDenoiser& denoiser, const ld::SampleArrays& arrays) {
-  if (denoiser.model) return denoiser.model->denoise_parts(arrays, denoiser.options);
-  if (!arrays.parts.empty() || arrays.alpha)
-    ld::fail_usage("parts of the light and alpha go with models; ld_create_filter makes none");
-  ld::Frame frame = ld::gather(arrays, denoiser.options.threads);
-  frame.info.world_to_camera = denoiser.world_to_camera;
-  frame.info.world_to_ndc = denoiser.world_to_ndc;
-  denoiser.state.advance(ld::SequencePlace{0, denoiser.position}, frame.width, frame.height);
-  ++denoiser.position;
-  return {denoiser.filter->denoise(frame, denoiser.state, denoiser.options.threads), {}, {}};
 }
 
 constexpr const char* kNoDenoiser = "the denoiser is a null pointer; ld_create and ld_create_filter make one";
@@ -115,13 +99,7 @@ LdStatus ld_create(const char* weights, LdDenoiser** denoiser) {
   *denoiser = nullptr;
   if (weights == nullptr)
     return refuse(LD_INVALID_ARGUMENT, "ld_create: the path of the weights is a null pointer");
-  return guarded([&] {
-    auto made = std::make_unique<LdDenoiser>();
-    made->model.emplace(weights);
-    made->features = made->model->network_config().features;
-    made->required = made->model->features();
-    *denoiser = made.release();
-  });
+  return guarded([&] { *denoiser = std::make_unique<LdDenoiser>(std::string(weights)).release(); });
 }
 
 LdStatus ld_create_filter(const char* kind, const char* const* settings, LdDenoiser** denoiser) {
@@ -134,26 +112,24 @@ LdStatus ld_create_filter(const char* kind, const char* const* settings, LdDenoi
     ld::FilterArgument argument = ld::parse_filter_arguments({kind}, none).front();
     for (; settings != nullptr && *settings != nullptr; ++settings)
       argument.assignments.emplace_back(*settings);
-    auto made = std::make_unique<LdDenoiser>();
-    made->filter.emplace(argument);
-    made->features = ld::filter_features();
-    made->features.insert(made->features.begin(), "radiance");
-    made->required = {"radiance"};
-    *denoiser = made.release();
+    *denoiser = std::make_unique<LdDenoiser>(argument).release();
   });
 }
 
 LdStatus ld_set_camera(LdDenoiser* denoiser, const float* world_to_camera, const float* world_to_ndc) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
-  denoiser->world_to_camera = matrix_of(world_to_camera);
-  denoiser->world_to_ndc = matrix_of(world_to_ndc);
+  denoiser->engine.set_camera(matrix_of(world_to_camera), matrix_of(world_to_ndc));
   return LD_OK;
 }
 
 LdStatus ld_restart(LdDenoiser* denoiser) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
-  denoiser->state.end();
+  denoiser->engine.restart();
   return LD_OK;
+}
+
+int ld_remembers(const LdDenoiser* denoiser) {
+  return denoiser != nullptr && denoiser->engine.remembers() ? 1 : 0;
 }
 
 void ld_destroy(LdDenoiser* denoiser) {
@@ -161,7 +137,7 @@ void ld_destroy(LdDenoiser* denoiser) {
 }
 
 int ld_feature_count(const LdDenoiser* denoiser) {
-  return denoiser == nullptr ? 0 : int(denoiser->features.size());
+  return denoiser == nullptr ? 0 : int(denoiser->engine.features().size());
 }
 
 const char* ld_feature_name(const LdDenoiser* denoiser, int index) {
@@ -230,8 +206,9 @@ LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strid
   return guarded([&] {
     denoiser->options.threads = threads();
     denoiser->cancelled = false;
+    ld::SequenceDenoiser& engine = denoiser->engine;
     const ld::DenoisedParts result =
-        denoised(*denoiser, denoiser->buffers.arrays(denoiser->features, denoiser->required));
+        engine.denoise(denoiser->buffers.arrays(engine.features(), engine.required()), denoiser->options);
     ld::scatter(result.picture, picture, strides, threads());
     denoiser->buffers.scatter_parts(result, threads());
   });

@@ -175,6 +175,10 @@ const NetworkConfig& Denoiser::network_config() const {
   return state_->network.config;
 }
 
+bool Denoiser::remembers() const {
+  return !state_->network.graph.state.empty();
+}
+
 Image Denoiser::denoise(const Frame& frame, const DenoiseOptions& options, SequenceState* sequence) const {
   return state_->denoise_parts(frame, {}, options, sequence).picture;
 }
@@ -185,8 +189,10 @@ DenoisedParts Denoiser::denoise_parts(const Frame& frame, bool alpha, const Deno
   return state_->denoise_parts(frame, {int64_t(frame.parts.size()), alpha}, options, sequence);
 }
 
-DenoisedParts Denoiser::denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options) const {
-  return state_->denoise_parts(arrays, {int64_t(arrays.parts.size()), arrays.alpha.has_value()}, options);
+DenoisedParts Denoiser::denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options,
+                                      SequenceState* sequence) const {
+  return state_->denoise_parts(arrays, {int64_t(arrays.parts.size()), arrays.alpha.has_value()}, options,
+                               sequence);
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {

@@ -69,6 +69,8 @@ class Denoiser {
   /// optional ones (network_config().features).
   const std::vector<std::string>& features() const { return required_; }
   const NetworkConfig& network_config() const;
+  /// Whether frames of a sequence have something of those before.
+  bool remembers() const;
 
   /// The denoised image [3, H, W], linear; any size from 1x1, any number of samples from 1. The frame has
   /// been sanitised (read_frame and import_frame do) and has a depth scale. Its samples are encoded row by
@@ -91,7 +93,8 @@ class Denoiser {
 
   /// The same of samples where they lie, with all of their parts and, where they have it, alpha: no copy of
   /// them is made, and nothing but features() must be there. They count as memory of the process.
-  DenoisedParts denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options = {}) const;
+  DenoisedParts denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options = {},
+                              SequenceState* sequence = nullptr) const;
 
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
   int64_t least_memory_bytes(int width, int height, int spp) const;

@@ -12,6 +12,10 @@ namespace ld {
 /// (../share/layer_denoiser/models), then where this one was built (models/pretrained).
 std::filesystem::path released_model(const std::string& name);
 
+/// Of a package that brings the weights along: they are looked for there alone. To be called once, before all
+/// else.
+void keep_released_models_in(const std::filesystem::path& folder);
+
 /// All names, sorted.
 std::vector<std::string> released_models();
 

@@ -4,6 +4,7 @@
 #include "frame/frame_file.h"
 #include "inference/denoise_job.h"
 #include "inference/denoiser.h"
+#include "layered_denoiser/layered_denoiser.hpp"
 #include "tests/inference/denoising_test.h"
 #include "tests/support/moving_frame.h"
 
@@ -65,6 +66,39 @@ TEST_F(RememberingModel, CarriesItsStateOverASequenceAndBeginsAnewAtAHole) {
     EXPECT_EQ(pixels(file("out", number)) == pixels(file("alone", number)), number == 1 || number == 5)
         << number;
     EXPECT_EQ(pixels(file("alone", number)), denoiser.denoise(frame, on_two_threads()).pixels) << number;
+  }
+}
+
+TEST_F(RememberingModel, TheLibraryCarriesItsStateUntilARestart) {
+  ld_set_threads(2);
+  layered_denoiser::Denoiser library(model_);
+  EXPECT_TRUE(library.remembers());
+  library.set_size(24, 18, 2);
+  const Denoiser denoiser(model_);
+  SequenceState state;
+  for (int number = 0; number < 5; ++number) {
+    const Frame frame = moving_frame(24, 18, 2, uint32_t(number));
+    if (number == 3) {
+      library.restart();
+      state.end();
+    }
+    std::vector<std::vector<float>> buffers;
+    for (const auto& [name, channels] : library.features()) {
+      std::vector<float>& samples = buffers.emplace_back();
+      for (int s = 0; s < frame.spp; ++s) {
+        const float* const plane = frame.plane(s, find_feature(name).offset);
+        samples.insert(samples.end(), plane, plane + size_t(channels) * frame.plane_size());
+      }
+      library.set_feature(name, samples.data());
+    }
+    std::vector<float> picture(3 * frame.plane_size());
+    library.denoise(picture.data());
+    Frame same = frame;
+    same.info.depth_scale = median_depth(frame);
+    state.advance(SequencePlace{0, number}, 24, 18);
+    EXPECT_EQ(picture, denoiser.denoise(same, on_two_threads(), &state).pixels) << number;
+    EXPECT_EQ(picture == denoiser.denoise(same, on_two_threads()).pixels, number == 0 || number == 3)
+        << number;
   }
 }
 

@@ -60,12 +60,13 @@ LD_API const char* ld_error(void);
  */
 LD_API LdStatus ld_set_threads(int threads);
 
-/* Loads a weight file (.safetensors), a checkpoint folder or a run folder. `*denoiser` is NULL on failure. */
+/* Loads a weight file (.safetensors), a checkpoint folder or a run folder. `*denoiser` is NULL on failure.
+ * Networks that remember ("layer_history") take every ld_denoise() for the next frame of a sequence, until
+ * ld_restart() or another size. */
 LD_API LdStatus ld_create(const char* weights, LdDenoiser** denoiser);
 
 /* A denoiser without weights: "eaw" (Dammertz et al. 2010) or "svgf" (Schied et al. 2017), with `settings` of
- * the form "key=value", the last one NULL; NULL: the defaults (docs/filters.md). "svgf" remembers: every
- * ld_denoise() is the next frame of a sequence, until ld_restart() or another size. */
+ * the form "key=value", the last one NULL; NULL: the defaults (docs/filters.md). "svgf" remembers, too. */
 LD_API LdStatus ld_create_filter(const char* kind, const char* const* settings, LdDenoiser** denoiser);
 LD_API void ld_destroy(LdDenoiser* denoiser); /* NULL is fine */
 
@@ -112,8 +113,11 @@ LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
  * them. */
 LD_API LdStatus ld_set_camera(LdDenoiser* denoiser, const float* world_to_camera, const float* world_to_ndc);
 
-/* The next frame follows none of those before, as after a cut. Models remember nothing. */
+/* The next frame follows none of those before, as after a cut. */
 LD_API LdStatus ld_restart(LdDenoiser* denoiser);
+
+/* 1 where frames have something of those before, 0 where each is denoised by itself. */
+LD_API int ld_remembers(const LdDenoiser* denoiser);
 
 /* NULL (the default): none. Filters are done before they could report. */
 LD_API LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user);

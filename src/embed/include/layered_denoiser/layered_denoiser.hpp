@@ -81,6 +81,8 @@ class Denoiser {
   void set_camera(const float* world_to_camera, const float* world_to_ndc) {
     check(ld_set_camera(denoiser_.get(), world_to_camera, world_to_ndc));
   }
+  /// Whether frames have something of those before (ld_create).
+  bool remembers() const { return ld_remembers(denoiser_.get()) != 0; }
   /// The next frame follows none of those before.
   void restart() { check(ld_restart(denoiser_.get())); }
   void set_max_memory(size_t megabytes) { check(ld_set_max_memory(denoiser_.get(), megabytes)); }
