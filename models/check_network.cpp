@@ -64,6 +64,19 @@ void check_use(const NetworkConfig& config) {
         "nothing "
         "moves; leave it out of network.optional",
         config.name);
+  if (!config.recurrence && !network.in_powers)
+    fail_usage("network.recurrence is false, but network '{}' has no recurrent blocks; leave it out",
+               config.name);
+  if (network.filter == Filter::none) {
+    const auto refuse = [&](const char* key, const char* why) {
+      fail_usage("network.{} is given, but network '{}' {}; leave it out", key, config.name, why);
+    };
+    if (config.demodulation != "none") refuse("demodulation", "divides by the albedo by itself");
+    if (config.means) refuse("means", "sees means of the samples anyway");
+    if (config.exposure_normalisation) refuse("exposure_normalisation", "sees powers of the light");
+    if (config.initial_kernel > 0 || config.logit_bound > 0)
+      refuse(config.logit_bound > 0 ? "logit_bound" : "initial_kernel", "has no kernels");
+  }
   if (config.rejection && network.filter != Filter::splat)
     fail_usage(
         "network.rejection is true, but network '{}' sends nothing that could count less; leave it out",

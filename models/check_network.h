@@ -13,8 +13,9 @@ enum class Sources { layers, samples, pixels };
 
 /// What a kernel does: weighs what its source sends, so that a source can be rejected, or what its pixel
 /// receives. Networks without generated kernels do something of their own, with modules of names that the
-/// others have not, which work once a pixel.
-enum class Filter { splat, gather, own };
+/// others have not, which work once a pixel. Networks without a filter (none) make the light themselves: they
+/// divide by the albedo in their own way and take no parts of the light.
+enum class Filter { splat, gather, own, none };
 
 /// What all that know networks from outside need to know of one: checks, costs, exports.
 struct NetworkTraits {
@@ -22,6 +23,7 @@ struct NetworkTraits {
   bool has_levels;  // works at several resolutions, with a kernel generator for each
   Filter filter;
   bool remembers = false;  // keeps a state from frame to frame of a sequence (models/network.h)
+  bool in_powers = false;  // predicts fifth roots of light, in which its loss is taken (Network::compare())
 };
 
 /// Throws UsageError for a name that is not in models/networks.def.

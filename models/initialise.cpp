@@ -8,6 +8,7 @@
 #include "models/demodulation.h"
 #include "models/history.h"
 #include "models/kernel_generator.h"
+#include "models/network_numbers.h"
 #include "models/rejection.h"
 #include "models/unet.h"
 #include "ops/kernels/constants.h"
@@ -31,10 +32,10 @@ std::set<std::string> output_weights(Network& network) {
 }
 
 /// Largest weight of the uniform distribution.
-double bound_of(const Tensor& weight, bool he) {
+double bound_of(const Tensor& weight, bool he, double slope) {
   const double taps = double(weight[0][0].numel()), inputs = taps * double(weight.size(1)),
                outputs = taps * double(weight.size(0));
-  return std::sqrt(he ? 6.0 / ((1 + kLeakySlope * kLeakySlope) * inputs) : 6.0 / (inputs + outputs));
+  return std::sqrt(he ? 6.0 / ((1 + slope * slope) * inputs) : 6.0 / (inputs + outputs));
 }
 
 /// Keyed by the parameter's name: no weight depends on what else the network holds.
@@ -70,6 +71,7 @@ void initialise(Network& network, uint64_t seed) {
   const torch::NoGradGuard no_gradient;
   const NetworkConfig& config = network.config();
   const std::set<std::string> outputs = output_weights(network);
+  const double slope = network_traits(config.name).in_powers ? kRecurrentSlope : kLeakySlope;
   for (auto& entry : network.named_parameters()) {
     Tensor& parameter = entry.value();
     if (parameter.dim() < 2) {
@@ -77,7 +79,7 @@ void initialise(Network& network, uint64_t seed) {
       continue;
     }
     const bool he = config.initialisation == "he" && outputs.count(entry.key()) == 0;
-    fill_uniform(parameter, entry.key(), float(bound_of(parameter, he)), seed);
+    fill_uniform(parameter, entry.key(), float(bound_of(parameter, he, slope)), seed);
   }
   for (const auto& module : network.modules(/*include_self=*/false)) {
     if (auto* modulation = dynamic_cast<Modulation*>(module.get())) modulation->initialise();

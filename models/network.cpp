@@ -23,16 +23,36 @@ NetworkInput Network::admit(NetworkInput input) {
   return input;
 }
 
+namespace {
+
+/// Where the radiance is so large that a gradient times it could overflow.
+void bound_gradient(const torch::Tensor& output, const NetworkInput& input) {
+  if (!output.requires_grad()) return;
+  const double largest = input.radiance.detach().max().item<double>();  // finite, of an admitted input
+  if (largest <= 1e15) return;
+  const double bound = 1e30 / largest;
+  output.register_hook([bound](const torch::Tensor& gradient) { return gradient.clamp(-bound, bound); });
+}
+
+}  // namespace
+
 torch::Tensor Network::forward(NetworkInput input, NetworkState& state) {
   input = admit(std::move(input));
   torch::Tensor output = denoise(input, state);
-  if (!output.requires_grad()) return output;
-  const double largest = input.radiance.detach().max().item<double>();  // finite now
-  if (largest > 1e15) {
-    const double bound = 1e30 / largest;
-    output.register_hook([bound](const torch::Tensor& gradient) { return gradient.clamp(-bound, bound); });
-  }
+  bound_gradient(output, input);
   return output;
+}
+
+Compared Network::compare(NetworkInput input, const torch::Tensor& reference, NetworkState& state) {
+  input = admit(std::move(input));
+  Compared compared = predict(input, reference.to(device()), state);
+  bound_gradient(compared.predicted, input);
+  return compared;
+}
+
+Compared Network::predict(const NetworkInput& input, const torch::Tensor& reference, NetworkState& state) {
+  const torch::Tensor picture = denoise(input, state);
+  return {picture, picture, reference};
 }
 
 Kernels Network::kernels(NetworkInput input) {

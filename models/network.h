@@ -28,6 +28,12 @@ struct Kernels {
 /// as empty.
 using NetworkState = std::map<std::string, torch::Tensor>;
 
+/// A picture, and what a loss compares.
+struct Compared {
+  torch::Tensor picture;            // [B, 3, H, W] as Network::forward() gives it
+  torch::Tensor predicted, target;  // picture and reference, or what the network predicts in their place
+};
+
 /// A network of [MH20]: linear radiance samples and features in, the linear denoised image [B, 3, H, W] out.
 class Network : public torch::nn::Module {
  public:
@@ -50,6 +56,10 @@ class Network : public torch::nn::Module {
   /// leaves; it is at the device of the weights. Differentiable in the state, too, so that a loss over a clip
   /// goes back through its frames. Throws Error for a state of another network, batch or size.
   torch::Tensor forward(NetworkInput input, NetworkState& state);
+
+  /// forward() of a training or validation frame with its reference [B, 3, H, W]. Most networks are compared
+  /// in their pictures; one that predicts powers of light (NetworkTraits::in_powers), in these.
+  Compared compare(NetworkInput input, const torch::Tensor& reference, NetworkState& state);
 
   /// Whether it keeps anything.
   bool remembers() const { return network_traits(config_.name).remembers; }
@@ -76,6 +86,7 @@ class Network : public torch::nn::Module {
 
   /// Of an admitted input. Networks of single frames leave the state alone.
   virtual torch::Tensor denoise(const NetworkInput& input, NetworkState& state) = 0;
+  virtual Compared predict(const NetworkInput& input, const torch::Tensor& reference, NetworkState& state);
   virtual Kernels make_kernels(const NetworkInput& input) = 0;
 
   NetworkConfig config_;

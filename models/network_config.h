@@ -60,6 +60,7 @@ struct NetworkConfig {
       128, 128};                        // outputs of its hidden layers; the last has kernel_size squared
   std::vector<int64_t> history = {16};  // of "layer_history": hidden layers of what weighs the history
   UNetConfig unet;
+  bool recurrence = true;  // of "recurrent"; false: every frame is a first one, for comparison
   /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
   /// (models/exposure.h): the result then scales with the radiance exactly.
   bool exposure_normalisation = false;
@@ -99,6 +100,7 @@ struct NetworkConfig {
     v.field("kernel_generator", kernel_generator, Range{1, 4096});
     v.field("history", history, Range{1, 4096});
     v.section("unet", unet);
+    v.field("recurrence", recurrence);
     v.field("exposure_normalisation", exposure_normalisation);
     v.field("means", means);
     v.field("demodulation", demodulation, {"none", "albedo"});

@@ -20,6 +20,14 @@ constexpr double kInitialChange = 20;      // so many times the relative change 
 constexpr double kLargestCompared = 1e35;  // of light: sums over a neighbourhood are finite
 constexpr int kComparedRadius = 2;         // pixels: of the neighbourhood, 5x5
 
+// models/recurrent.h.
+constexpr double kRecurrentSlope = 0.1;    // of its leaky ReLUs, below 0
+constexpr double kLightPower = 0.2;        // light is seen, predicted and compared to this power
+constexpr double kLeastTexture = 1e-3;     // what light is divided by at least
+constexpr double kLargestState = 65504;    // what a frame hands on lies within: no sequence diverges
+constexpr double kLargestRoot = 2.5e7;     // of light that is predicted: its fifth power is 1e37
+constexpr double kLargestEmission = 3e38;  // beside which that fits into a float
+
 // models/exposure.h.
 constexpr double kMiddleGrey = 0.18;
 

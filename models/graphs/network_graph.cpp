@@ -12,6 +12,7 @@ graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts&
   if (config.name == "optimized") return optimized_graph(config, parts);
   if (config.name == "pixel_blend" || config.name == "pixel_gather" || config.name == "pixel_splat")
     return pixel_graph(config, parts);
+  if (config.name == "recurrent") return recurrent_graph(config, parts);
   if (config.name == "sample_splat") return sample_splat_graph(config, parts);
   fail("network '{}' has no graph; each of models/networks.def has a line here", config.name);
 }

@@ -33,6 +33,10 @@ graph::Graph pixel_graph(const NetworkConfig& config, const graph::LightParts& p
 /// A pyramid of layers ([MH20] section 6; models/networks/optimized_network.h).
 graph::Graph optimized_graph(const NetworkConfig& config, const graph::LightParts& parts);
 
+/// The recurrent denoising autoencoder (models/recurrent.h); its state is Graph::state. Throws UsageError for
+/// parts of the light, which it cannot tell apart.
+graph::Graph recurrent_graph(const NetworkConfig& config, const graph::LightParts& parts);
+
 /// One kernel for each sample (models/networks/sample_splat_network.h).
 graph::Graph sample_splat_graph(const NetworkConfig& config, const graph::LightParts& parts);
 

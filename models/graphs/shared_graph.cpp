@@ -5,6 +5,7 @@
 
 #include "frame/schema.h"
 #include "models/check_network.h"
+#include "ops/kernels/constants.h"
 
 namespace ld {
 
@@ -48,7 +49,7 @@ ValueId add_block(Graph& graph, const std::string& name, const std::vector<int64
     value.name = "unet." + name + "." + std::to_string(2 * i);
     value.channels = widths[i];
     const std::string weights = value.name;
-    inputs = {graph.add(graph::Convolution{weights, /*activated=*/true}, inputs, value)};
+    inputs = {graph.add(graph::Convolution{weights, kLeakySlope}, inputs, value)};
   }
   return inputs[0];
 }
@@ -134,7 +135,7 @@ std::vector<ValueId> add_unet_features(Graph& graph, const UNetConfig& config, V
   value = graph[x];
   value.name = "context";
   value.channels = config.context;
-  features.back() = graph.add(graph::Convolution{"unet.context", /*activated=*/false}, {x}, value);
+  features.back() = graph.add(graph::Convolution{"unet.context"}, {x}, value);
   std::reverse(features.begin(), features.end());
   return features;
 }

@@ -63,11 +63,21 @@ Augmentation random_augmentation(RandomStream& stream, const std::vector<const P
     a.flip_y = stream.below(2) == 1;
   }
   if (options.rotations) a.quarter_turns = static_cast<int>(stream.below(4));
-  if (options.exposure > 0) a.exposure = std::exp2(stream.uniform(-options.exposure, options.exposure));
+  if (options.exposure > 0) a.exposure.fill(std::exp2(stream.uniform(-options.exposure, options.exposure)));
   if (options.colours)
     for (uint32_t order = stream.below(6); order > 0; --order)
       std::next_permutation(a.colours.begin(), a.colours.end());
   if (options.reversal) a.reversed = stream.below(2) == 1;
+  if (options.tint > 0)
+    for (float& factor : a.exposure) factor *= stream.uniform(0, options.tint);
+  if (options.stop > 0 || options.freeze > 0) {
+    const float drawn = stream.uniform();
+    const auto length = static_cast<uint32_t>(clip.size());
+    if (drawn < options.stop)
+      a.last_frame = 0;
+    else if (drawn < options.stop + options.freeze && length > 2)
+      a.last_frame = static_cast<int>(1 + stream.below(length - 2));
+  }
   return a;
 }
 

@@ -16,10 +16,13 @@ namespace ld {
 struct Augmentation {
   int x = 0, y = 0, width = 0, height = 0;  // the crop, pixels; must lie inside the frame
   bool flip_x = false, flip_y = false;
-  int quarter_turns = 0;                   // 0 to 3
-  float exposure = 1;                      // factor on the radiance of samples and reference
-  std::array<int, 3> colours = {0, 1, 2};  // channel c of every colour is the frame's channel colours[c]
+  int quarter_turns = 0;                      // 0 to 3
+  std::array<float, 3> exposure = {1, 1, 1};  // factors on the channels of the result's radiance, samples
+                                              // and reference alike
+  std::array<int, 3> colours = {0, 1, 2};     // channel c of every colour is the frame's channel colours[c]
   bool reversed = false;  // time runs backwards: motion over the shutter, and where in it a sample lies
+  int last_frame =
+      -1;  // the clip stays at this one of its frames, in the order in which they run; -1: at none
 
   int result_width() const { return quarter_turns % 2 == 0 ? width : height; }
   int result_height() const { return quarter_turns % 2 == 0 ? height : width; }
@@ -33,6 +36,9 @@ struct AugmentationOptions {
   float exposure = 0;     // stops: radiance is multiplied by 2^u, u uniform in [-exposure, exposure]
   bool colours = false;   // the three channels of all colours alike in any of their six orders
   bool reversal = false;  // half of the clips run backwards in time
+  float tint = 0;         // radiance is multiplied by u for each channel, uniform in [0, tint]; 0: not at all
+  float stop = 0;         // so large a share of the clips shows one frame
+  float freeze = 0;  // so large a share of the clips stays at one of its frames, but not the first or last
 };
 
 /// One for all frames of a clip, which have one size. Uniform in flips and turns, and in position where there

@@ -102,8 +102,8 @@ class ToneMapTable {
     for (int i = 0; i < count; ++i) out[i] = half_bits[i] < values_.size() ? values_[half_bits[i]] : 0.0F;
   }
 
-  static const ToneMapTable& unexposed() {
-    static const ToneMapTable table(1);
+  static const std::shared_ptr<const ToneMapTable>& unexposed() {
+    static const auto table = std::make_shared<const ToneMapTable>(1.0F);
     return table;
   }
 
@@ -129,6 +129,26 @@ std::vector<Source> sources_of(const PackedFrame& frame, const std::vector<std::
   return sources;
 }
 
+/// Of the three channels of what is tone mapped, if anything is.
+using ToneMapTables = std::array<std::shared_ptr<const ToneMapTable>, 3>;
+
+ToneMapTables tables_of(const Augmentation& a, const std::vector<Source>& sources) {
+  ToneMapTables tables;
+  if (std::none_of(sources.begin(), sources.end(),
+                   [](const Source& source) { return source.feature->encoding == Encoding::tone_map; }))
+    return tables;
+  for (size_t c = 0; c < 3; ++c) {
+    const float factor = a.exposure[c];
+    if (factor == 1)
+      tables[c] = ToneMapTable::unexposed();
+    else if (c > 0 && factor == a.exposure[c - 1])
+      tables[c] = tables[c - 1];
+    else
+      tables[c] = std::make_shared<const ToneMapTable>(factor);
+  }
+  return tables;
+}
+
 /// Of light or of a surface: a path tracer treats its three channels alike.
 bool is_colour(const Feature& feature) {
   return feature.channels == 3 && feature.vector == Vector::none;
@@ -146,8 +166,7 @@ class CropReader {
         sources_(sources_of(frame, features)),
         samples_(frame.chosen(samples)),
         targets_(targets.empty() ? targets : frame.chosen(targets)),
-        own_table_(a.exposure == 1 ? nullptr : std::make_unique<ToneMapTable>(a.exposure)),
-        table_(own_table_ ? *own_table_ : ToneMapTable::unexposed()),
+        tables_(tables_of(a, sources_)),
         plane_(static_cast<size_t>(a.width) * static_cast<size_t>(a.height)),
         values_(static_cast<size_t>(frame.channels()) * kTilePixels) {}
 
@@ -172,7 +191,7 @@ class CropReader {
     const float* reference = frame_.reference + tile * PackedFrame::kTileReference;
     if (!targets_.empty()) reference = mean_of_targets(samples, valid, reference);
     for (int c = 0; c < 3; ++c)
-      put_exposed(reference + tile_plane(colour(c)), planes_.reference + static_cast<size_t>(c) * plane_);
+      put_exposed(reference + tile_plane(colour(c)), c, planes_.reference + static_cast<size_t>(c) * plane_);
   }
 
  private:
@@ -196,7 +215,7 @@ class CropReader {
   void read_sample(const uint16_t* half_bits, const uint8_t* valid) {
     half_to_float(half_bits, values_.data(), values_.size());
     for (int c = 0; c < 3; ++c, radiance_out_ += plane_)
-      put_exposed(values_.data() + tile_plane(colour(c)), radiance_out_);
+      put_exposed(values_.data() + tile_plane(colour(c)), c, radiance_out_);
     for (const Source& source : sources_) {
       float* values = values_.data() + tile_plane(source.channel);
       if (source.feature->vector != Vector::none)
@@ -205,7 +224,8 @@ class CropReader {
       for (int c = 0; c < source.feature->channels; ++c, features_out_ += plane_) {
         const int from = is_colour(*source.feature) ? colour(c) : c;
         if (source.feature->encoding == Encoding::tone_map)
-          table_.look_up(half_bits + tile_plane(source.channel + from), encoded_.data(), kTilePixels);
+          tables_[static_cast<size_t>(c)]->look_up(half_bits + tile_plane(source.channel + from),
+                                                   encoded_.data(), kTilePixels);
         else
           encode(*source.feature, frame_.depth_scale, values + tile_plane(from), encoded_.data(),
                  kTilePixels);
@@ -220,12 +240,13 @@ class CropReader {
     map_.put(tile + first_, x1_ - x0_, y1_ - y0_, x0_, y0_, plane);
   }
 
-  void put_exposed(const float* tile, float* plane) {
-    if (a_.exposure == 1) {
+  void put_exposed(const float* tile, int channel, float* plane) {
+    const float factor = a_.exposure[static_cast<size_t>(channel)];
+    if (factor == 1) {
       put(tile, plane);
       return;
     }
-    for (size_t p = 0; p < kTilePixels; ++p) encoded_[p] = a_.exposure * tile[p];
+    for (size_t p = 0; p < kTilePixels; ++p) encoded_[p] = factor * tile[p];
     put(encoded_.data(), plane);
   }
 
@@ -235,10 +256,9 @@ class CropReader {
   const CropPlanes planes_;
   const std::vector<Source> sources_;
   const SampleList samples_, targets_;
-  const std::unique_ptr<ToneMapTable> own_table_;
-  const ToneMapTable& table_;
-  const size_t plane_;         // floats of a plane of the result
-  std::vector<float> values_;  // of all channels of one sample of the tile, in the units of the files
+  const ToneMapTables tables_;  // of each channel
+  const size_t plane_;          // floats of a plane of the result
+  std::vector<float> values_;   // of all channels of one sample of the tile, in the units of the files
   std::array<float, kTilePixels> encoded_{};
   std::array<float, PackedFrame::kTileReference> target_{};
   std::array<int, kTilePixels> drawn_{};

@@ -55,6 +55,16 @@ FrameStore::FrameStore(fs::path data_set, std::vector<ManifestFrame> frames,
         std::make_unique<FrameCache>(cache_folder(data_set_, options.folder), features_, options.reserve);
 }
 
+std::vector<size_t> FrameStore::instances(size_t index) const {
+  const ManifestFrame& frame = entries_[index]->frame;
+  if (!frame.sequence || !frame.position) return {index};
+  std::vector<size_t> found;
+  for (size_t i = 0; i < entries_.size(); ++i)
+    if (entries_[i]->frame.sequence == frame.sequence && entries_[i]->frame.position == frame.position)
+      found.push_back(i);
+  return found;
+}
+
 std::vector<std::vector<size_t>> FrameStore::runs() const {
   std::vector<ManifestFrame> frames;
   for (const auto& entry : entries_) frames.push_back(entry->frame);

@@ -38,6 +38,8 @@ class FrameStore {
   size_t size() const { return entries_.size(); }
   /// The numbers of the frames, in runs of those that follow one another (sequence/sequence_runs.h).
   std::vector<std::vector<size_t>> runs() const;
+  /// The frames of its sequence and position, itself among them: noise instances.
+  std::vector<size_t> instances(size_t index) const;
   const std::string& name(size_t index) const { return entries_[index]->frame.name; }
   int width(size_t index) const { return entries_[index]->width; }
   int height(size_t index) const { return entries_[index]->height; }

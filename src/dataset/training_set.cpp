@@ -84,10 +84,19 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
         "data.batch: {} crops a step come from different {}, but an epoch of the split has {}; render more "
         "frames or set data.batch={}",
         options_.batch, options_.clip == 1 ? "frames" : "clips", plan_.crops(), plan_.crops());
-  if (options_.augmentation.reversal && first_channel(features_, "flow") >= 0)
+  const AugmentationOptions& augmentation = options_.augmentation;
+  if (first_channel(features_, "flow") >= 0 &&
+      (augmentation.reversal || augmentation.stop > 0 || augmentation.freeze > 0))
     fail_usage(
-        "data.reversal: the network reads 'flow', the way to the frame before, which a clip that runs "
-        "backwards does not know; set data.reversal=false or leave 'flow' out of network.features");
+        "data.{}: the network reads 'flow', the way to the frame before, which a clip that runs backwards or "
+        "stands still does not know; set it to {} or leave 'flow' out of network.features",
+        augmentation.reversal   ? "reversal"
+        : augmentation.stop > 0 ? "stop"
+                                : "freeze",
+        augmentation.reversal ? "false" : "0");
+  if (augmentation.stop + augmentation.freeze > 1)
+    fail_usage("data.stop={:g} and data.freeze={:g} are more than all clips; expected a sum of at most 1",
+               augmentation.stop, augmentation.freeze);
   const int crop = options_.augmentation.crop;
   for (const WeightedStore& set : sets_)
     for (size_t i = 0; i < set.store->size(); ++i)
@@ -175,13 +184,44 @@ std::string TrainingSet::describe(int64_t first, int64_t count) const {
                           crop.reversed ? " backwards" : "", crop.x, crop.y,
                           crop.flip_x ? " flipped in x" : "", crop.flip_y ? " flipped in y" : "",
                           crop.quarter_turns > 0 ? fmt::format(" turned {}", 90 * crop.quarter_turns) : "");
-      if (options_.augmentation.exposure > 0) text += fmt::format(" times {:.4g}", crop.exposure);
+      if (options_.augmentation.exposure > 0 || options_.augmentation.tint > 0)
+        text += fmt::format(" times {:.4g}", fmt::join(crop.exposure, " "));
+      if (crop.last_frame >= 0) text += fmt::format(" stays at its frame {}", crop.last_frame + 1);
       for (size_t t = 0; t < drawn.size(); ++t)
         if (!drawn[t].samples.empty())
           text += fmt::format("{}{}", t == 0 ? " of samples " : ", ", fmt::join(drawn[t].samples, " "));
     }
   }
   return text;
+}
+
+/// How many of a frame's samples enter; 0: all.
+int TrainingSet::input_samples(int held, int samples) const {
+  return options_.sample_targets ? std::clamp(samples, 1, held - 1) : samples;
+}
+
+/// What there is of a frame that a clip stays at: its noise instances, and of each as many groups of samples
+/// as it has without one of them twice; in random order.
+std::vector<TrainingSet::FrameNoise> TrainingSet::noise_of_stay(const FrameStore& store, size_t frame,
+                                                                const Slot& slot, int samples) const {
+  RandomStream stream = slot.stream(options_.seed, kWhich, static_cast<uint32_t>(options_.clip));
+  std::vector<FrameNoise> all;
+  for (const size_t instance : store.instances(frame)) {
+    const int held = store.spp(instance), count = input_samples(held, samples);
+    if (count <= 0 || count >= held) {
+      all.push_back({instance, {}});
+      continue;
+    }
+    const std::vector<uint32_t> order = random_permutation(stream, static_cast<uint32_t>(held));
+    for (auto first = order.begin(); order.end() - first >= count; first += count) {
+      all.push_back({instance, SampleList(first, first + count)});
+      std::sort(all.back().samples.begin(), all.back().samples.end());
+    }
+  }
+  std::vector<FrameNoise> shuffled;
+  for (const uint32_t i : random_permutation(stream, static_cast<uint32_t>(all.size())))
+    shuffled.push_back(std::move(all[i]));
+  return shuffled;
 }
 
 /// One crop and turn for all frames of the clip, samples of its own for each.
@@ -200,20 +240,24 @@ std::vector<FrameCrop> TrainingSet::draw_clip(const ClipRef& ref, const Slot& sl
     std::reverse(clip.begin(), clip.end());
     std::reverse(frames.begin(), frames.end());
   }
+  std::vector<FrameNoise> of_stay;
+  if (augmentation.last_frame >= 0)
+    of_stay = noise_of_stay(store, clip[static_cast<size_t>(augmentation.last_frame)], slot, samples);
   std::vector<FrameCrop> crops;
   for (size_t t = 0; t < clip.size(); ++t) {
-    RandomStream which = slot.stream(options_.seed, kWhich, static_cast<uint32_t>(t));
-    const int held = frames[t]->spp;
-    SampleList drawn, targets;
-    if (options_.sample_targets) {
-      drawn = draw_samples(which, held, std::clamp(samples, 1, held - 1));
-      targets = other_samples(held, drawn);
-    } else if (samples > 0) {
-      drawn = draw_samples(which, held, samples);
+    FrameNoise noise = {clip[t], {}};
+    if (!of_stay.empty() && t >= static_cast<size_t>(augmentation.last_frame)) {
+      noise = of_stay[(t - static_cast<size_t>(augmentation.last_frame)) % of_stay.size()];
+    } else if (const int count = input_samples(frames[t]->spp, samples); count > 0) {
+      RandomStream which = slot.stream(options_.seed, kWhich, static_cast<uint32_t>(t));
+      noise.samples = draw_samples(which, frames[t]->spp, count);
     }
-    auto checked =
-        store.get_intact(clip[t], frames[t], augmentation.tiles(), targets.empty() ? drawn : SampleList());
-    crops.push_back({std::move(checked), augmentation, std::move(drawn), std::move(targets)});
+    const auto frame = noise.frame == clip[t] ? frames[t] : store.get(noise.frame);
+    SampleList targets;
+    if (options_.sample_targets) targets = other_samples(frame->spp, noise.samples);
+    auto checked = store.get_intact(noise.frame, frame, augmentation.tiles(),
+                                    targets.empty() ? noise.samples : SampleList());
+    crops.push_back({std::move(checked), augmentation, std::move(noise.samples), std::move(targets)});
   }
   return crops;
 }

@@ -87,6 +87,14 @@ class TrainingSet {
   std::vector<ClipRef> clips_of_batch(int64_t number) const;
   int sample_count(int64_t number) const;
   void drop_features(Batch& batch, int64_t number) const;
+  /// A frame, or a noise instance of it, and which of its samples enter.
+  struct FrameNoise {
+    size_t frame;
+    SampleList samples;
+  };
+  int input_samples(int held, int samples) const;
+  std::vector<FrameNoise> noise_of_stay(const FrameStore& store, size_t frame, const Slot& slot,
+                                        int samples) const;
   std::vector<FrameCrop> draw_clip(const ClipRef& ref, const Slot& slot, int samples) const;
 
   std::vector<WeightedStore> sets_;

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "export/onnx_network.h"
 #include "export/onnx_operators.h"
 
 namespace ld {
@@ -42,9 +43,10 @@ OnnxEvaluator::OnnxEvaluator(onnx::ModelProto model) : model_(std::move(model)) 
     for (const std::string& input : model_.graph().node(i).input()) last_use_[input] = i;
 }
 
-Tensor OnnxEvaluator::forward(const NetworkInput& input) const {
+Tensor OnnxEvaluator::forward(const NetworkInput& input, std::vector<Tensor>& state) const {
   std::map<std::string, Tensor> values = {
       {"features", input.features}, {"radiance", input.radiance}, {"valid", input.valid}};
+  for (size_t part = 0; part < state.size(); ++part) values[onnx_state(part)] = state[part];
   for (int i = 0; i < model_.graph().node_size(); ++i) {
     const onnx::NodeProto& node = model_.graph().node(i);
     std::vector<Tensor> inputs;
@@ -63,6 +65,7 @@ Tensor OnnxEvaluator::forward(const NetworkInput& input) const {
     for (const std::string& name : node.input())
       if (const auto use = last_use_.find(name); use->second == i) values.erase(name);
   }
+  for (size_t part = 0; part < state.size(); ++part) state[part] = values.at(onnx_next_state(part));
   return values.at("image");
 }
 

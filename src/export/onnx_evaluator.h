@@ -19,8 +19,13 @@ class OnnxEvaluator {
   /// Reads the initializers. Throws Error for one of a type or size that this project does not write.
   explicit OnnxEvaluator(onnx::ModelProto model);
 
-  /// The model's output `image` [B, 3, H, W].
-  torch::Tensor forward(const NetworkInput& input) const;
+  /// The model's output `image` [B, 3, H, W]. Of a model with a state, `state` is what the frame before has
+  /// left (export/onnx_network.h), and receives what this one leaves.
+  torch::Tensor forward(const NetworkInput& input, std::vector<torch::Tensor>& state) const;
+  torch::Tensor forward(const NetworkInput& input) const {
+    std::vector<torch::Tensor> none;
+    return forward(input, none);
+  }
 
  private:
   onnx::ModelProto model_;

@@ -21,6 +21,10 @@ struct OnnxExport {
 OnnxExport export_onnx(const ExportSource& source, const std::filesystem::path& out, DType type,
                        const std::vector<NetworkInput>& inputs, double allowed = kOnnxTolerance);
 
+/// What a model with a state is given at the first frame of a sequence: zeros of the sizes that such frames
+/// leave. Empty for networks that keep nothing.
+std::vector<torch::Tensor> empty_onnx_state(const NetworkConfig& config, const NetworkInput& input);
+
 /// Writes inputs and the C++ network's outputs for other programs to compare with, as safetensors:
 /// features_0, radiance_0, valid_0, image_0, features_1, ...
 void write_check_data(const std::filesystem::path& out, const ExportSource& source, DType type,

@@ -48,26 +48,45 @@ Value OnnxWalk::side(const graph::Value& of, int64_t axis) {
 
 namespace {
 
-[[noreturn]] void refuse_state() {
+[[noreturn]] void refuse_history() {
   fail_usage(
-      "ONNX: the network keeps a state from frame to frame, which ONNX files do not have yet; export it as "
-      "safetensors");
+      "ONNX: the network keeps a history that moves with 'flow', which ONNX files do not have yet; export it "
+      "as safetensors");
+}
+
+/// Of a value of the state, for people: "H" and "W" are those of the frame.
+std::vector<std::string> sizes_of_state(const graph::Value& value) {
+  const std::string scale =
+      value.padded || value.level > 0 ? "padded/" + std::to_string(int64_t{1} << value.level) : "";
+  const auto side = [&](const char* name) { return scale.empty() ? name : name + ("_" + scale); };
+  return {"B", std::to_string(value.channels), side("H"), side("W")};
 }
 
 }  // namespace
 
 void to_onnx(const graph::Recall&, OnnxWalk&) {
-  refuse_state();
+  refuse_history();
 }
 void to_onnx(const graph::Compare&, OnnxWalk&) {
-  refuse_state();
+  refuse_history();
 }
 void to_onnx(const graph::Remember&, OnnxWalk&) {
-  refuse_state();
+  refuse_history();
+}
+
+std::string onnx_state(size_t part) {
+  return "state" + std::to_string(part);
+}
+
+std::string onnx_next_state(size_t part) {
+  return "next_" + onnx_state(part);
+}
+
+Value OnnxWalk::state(size_t part) {
+  return g.input(onnx_state(part), sizes_of_state(network_[network_.state[part]]));
 }
 
 onnx::ModelProto onnx_model(const graph::Graph& network, const std::vector<TensorView>& weights) {
-  if (!network.state.empty()) refuse_state();
   OnnxGraph g(weights);
   OnnxWalk walk(g, network);
   for (const graph::Node& node : network.nodes) {
@@ -75,6 +94,9 @@ onnx::ModelProto onnx_model(const graph::Graph& network, const std::vector<Tenso
     std::visit([&](const auto& op) { to_onnx(op, walk); }, node.op);
   }
   g.output(walk.picture(network.output), "image", {"B", "3", "H", "W"});
+  for (size_t part = 0; part < network.state.size(); ++part)
+    g.output(walk.picture(network.state[part]), onnx_next_state(part),
+             sizes_of_state(network[network.state[part]]));
   return g.model();
 }
 

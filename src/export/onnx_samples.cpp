@@ -32,15 +32,9 @@ Value with_radiance_seen(OnnxWalk& at, const Value& features, const Value& radia
   return g.concat(parts, 2);
 }
 
-/// Over the valid items, [B, n, C, H, W] -> [B, 1, C, H, W].
-Value masked_mean(OnnxGraph& g, const Value& values, const Value& valid) {
-  const Value weights = g.div(valid, g.max(g.reduce_sum(valid, {1}), g.number(1)));
-  return g.reduce_sum(g.mul(weights, values), {1});
-}
-
 /// models/exposure.h, [B, 1, 1, 1, 1]. In float32, where the C++ network computes it in float64.
 Value exposure_of(OnnxGraph& g, const Value& radiance, const Value& valid) {
-  const Value mean = masked_mean(g, radiance, valid), one = g.number(1);
+  const Value mean = onnx_masked_mean(g, radiance, valid), one = g.number(1);
   const auto part = [&](int64_t c, double weight) {
     return g.mul(g.slice(mean, 2, c, c + 1), g.number(float(weight)));
   };
@@ -57,11 +51,16 @@ Value exposure_of(OnnxGraph& g, const Value& radiance, const Value& valid) {
 
 }  // namespace
 
+Value onnx_masked_mean(OnnxGraph& g, const Value& values, const Value& valid) {
+  const Value weights = g.div(valid, g.max(g.reduce_sum(valid, {1}), g.number(1)));
+  return g.reduce_sum(g.mul(weights, values), {1});
+}
+
 Value onnx_statistics(OnnxGraph& g, const Value& values, const Value& valid) {
-  const Value mean = masked_mean(g, values, valid), rest = g.sub(values, mean);
+  const Value mean = onnx_masked_mean(g, values, valid), rest = g.sub(values, mean);
   // The mean of many large values is rounded; what it misses is the mean of the rest.
-  const Value missed = masked_mean(g, rest, valid), deviation = g.sub(rest, missed);
-  return g.concat({g.add(mean, missed), masked_mean(g, g.mul(deviation, deviation), valid)}, 2);
+  const Value missed = onnx_masked_mean(g, rest, valid), deviation = g.sub(rest, missed);
+  return g.concat({g.add(mean, missed), onnx_masked_mean(g, g.mul(deviation, deviation), valid)}, 2);
 }
 
 /// The model's inputs, sanitised as by models/network_input.h.
@@ -86,7 +85,7 @@ void to_onnx(const graph::Encode& op, OnnxWalk& at) {
 }
 
 void to_onnx(const graph::MaskedMean&, OnnxWalk& at) {
-  at.make(masked_mean(at.g, at.read(0), at.read(1)));
+  at.make(onnx_masked_mean(at.g, at.read(0), at.read(1)));
 }
 
 void to_onnx(const graph::AnyValid&, OnnxWalk& at) {

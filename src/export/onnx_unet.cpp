@@ -36,7 +36,7 @@ void to_onnx(const graph::Convolution& op, OnnxWalk& at) {
   const Value y = g.op(
       "Conv", {g.concat(pictures, 1), g.parameter(op.weights + ".weight"), g.parameter(op.weights + ".bias")},
       {{"kernel_shape", std::vector<int64_t>{3, 3}}, {"pads", std::vector<int64_t>{1, 1, 1, 1}}});
-  at.make_picture(op.activated ? onnx_activated(g, y) : y);
+  at.make_picture(op.slope == 1 ? y : onnx_activated(g, y, op.slope));
 }
 
 void to_onnx(const graph::MaxPool&, OnnxWalk& at) {

@@ -40,6 +40,9 @@ class OnnxWalk {
   void make(Value value, size_t output = 0) { made_[node_->outputs[output]] = {std::move(value), false}; }
   void make_picture(Value value) { made_[node_->outputs[0]] = {std::move(value), true}; }
 
+  /// The model's input `state<part>`: what the frame before has left [B, C, H, W], zeros at the first frame.
+  Value state(size_t part);
+
   /// The network's result.
   Value picture(graph::ValueId id);
 
@@ -69,12 +72,15 @@ class OnnxWalk {
 Value onnx_fully_connected(OnnxGraph& g, const graph::FullyConnected& op, int64_t outputs, const Value& x,
                            int64_t own, const Value& context = {});
 
+/// Mean over the valid items, [B, n, C, H, W] -> [B, 1, C, H, W]; 0 where none is.
+Value onnx_masked_mean(OnnxGraph& g, const Value& values, const Value& valid);
+
 /// Mean and population variance over the valid items, [B, n, C, H, W] -> [B, 1, 2 C, H, W].
 Value onnx_statistics(OnnxGraph& g, const Value& values, const Value& valid);
 
 /// Leaky ReLU as everywhere in [MH20].
-inline Value onnx_activated(OnnxGraph& g, const Value& x) {
-  return g.op("LeakyRelu", {x}, {{"alpha", float(kLeakySlope)}});
+inline Value onnx_activated(OnnxGraph& g, const Value& x, double slope = kLeakySlope) {
+  return g.op("LeakyRelu", {x}, {{"alpha", float(slope)}});
 }
 
 // Adds what an operator computes. One for each; files by kind, as in src/runtime/.
@@ -104,7 +110,10 @@ void to_onnx(const graph::Composite& op, OnnxWalk& at);
 void to_onnx(const graph::ModulationFactors& op, OnnxWalk& at);
 void to_onnx(const graph::Modulate& op, OnnxWalk& at);
 void to_onnx(const graph::LayerIdentity& op, OnnxWalk& at);
-/// Of networks with a state, which onnx_model() refuses.
+void to_onnx(const graph::TakeRoots& op, OnnxWalk& at);
+void to_onnx(const graph::RaiseRoots& op, OnnxWalk& at);
+void to_onnx(const graph::RecallPart& op, OnnxWalk& at);
+/// Of a history that moves with `flow`, which is refused.
 void to_onnx(const graph::Recall& op, OnnxWalk& at);
 void to_onnx(const graph::Compare& op, OnnxWalk& at);
 void to_onnx(const graph::Remember& op, OnnxWalk& at);

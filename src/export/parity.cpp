@@ -89,12 +89,14 @@ std::shared_ptr<Network> rounded(const Network& network, DType type) {
   return copy;
 }
 
-std::vector<Tensor> outputs(Network& network, const std::vector<NetworkInput>& inputs) {
+std::vector<Tensor> outputs(Network& network, const std::vector<NetworkInput>& inputs, int frames) {
   const torch::InferenceMode no_graph;
   std::vector<Tensor> pictures;
   Progress progress("pictures to compare", static_cast<int64_t>(inputs.size()));
   for (const NetworkInput& input : inputs) {
-    pictures.push_back(network.forward(input));
+    NetworkState state;
+    for (int f = 1; network.remembers() && f < frames; ++f) network.forward(input, state);
+    pictures.push_back(network.forward(input, state));
     progress.advance();
   }
   return pictures;

@@ -32,8 +32,10 @@ std::vector<NetworkInput> parity_inputs(const NetworkConfig& config,
 /// weight is too large for f16.
 std::shared_ptr<Network> rounded(const Network& network, DType type);
 
-/// The outputs for all inputs, without a graph.
-std::vector<torch::Tensor> outputs(Network& network, const std::vector<NetworkInput>& inputs);
+/// The outputs for all inputs, without a graph. A network that remembers sees each so many times in a row.
+std::vector<torch::Tensor> outputs(Network& network, const std::vector<NetworkInput>& inputs, int frames = 1);
+/// Frames of a sequence that differences are measured behind, of networks that remember.
+constexpr int kParityFrames = 4;
 
 /// Differences to values much smaller than this are measured as differences, those to larger ones in parts.
 constexpr double kParityEpsilon = 0.01;

@@ -10,8 +10,8 @@ Parity rounding_parity(const ExportSource& source, Network& rounded, DType type,
                        const std::vector<NetworkInput>& inputs) {
   Parity parity;
   parity.tolerance = type == DType::f16 ? kHalfTolerance : 0;
-  parity.largest_relative_difference =
-      largest_relative_difference(outputs(rounded, inputs), outputs(*source.network, inputs));
+  parity.largest_relative_difference = largest_relative_difference(
+      outputs(rounded, inputs, kParityFrames), outputs(*source.network, inputs, kParityFrames));
   if (!parity.passed())
     fail(
         "the rounded weights compute something else: largest relative difference {:.2g}, allowed {:.2g}; "

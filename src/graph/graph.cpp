@@ -18,7 +18,6 @@ ValueId Graph::add(Operator op, std::vector<ValueId> inputs, Value output_value)
 std::vector<ValueId> Graph::outputs() const {
   std::vector<ValueId> all = {output};
   all.insert(all.end(), further.begin(), further.end());
-  all.insert(all.end(), state.begin(), state.end());
   return all;
 }
 

@@ -50,9 +50,11 @@ struct Graph {
   std::vector<Node> nodes;       // each behind those that it reads
   ValueId output = 0;            // [1, 3 + parts, H, W], linear radiance
   std::vector<ValueId> further;  // outputs beside it, of full resolution
-  std::vector<ValueId> state;    // what the next frame's Recall reads: light, frames, surface; or nothing
+  /// What the next frame reads, or nothing: light, frames and surface for Recall, or the parts of RecallPart,
+  /// which may be of any resolution.
+  std::vector<ValueId> state;
 
-  /// All of them: the picture, further ones, the state.
+  /// The picture and further ones: of full resolution.
   std::vector<ValueId> outputs() const;
 
   ValueId add_value(Value value);

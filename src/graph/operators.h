@@ -57,7 +57,7 @@ struct Pad {};
 /// another.
 struct Convolution {
   std::string weights;
-  bool activated = true;
+  double slope = 1;  // below 0, of the leaky ReLU behind it; 1: none
 };
 
 /// 2x2, to the next level.
@@ -170,13 +170,29 @@ struct Compare {
 /// and how many frames it counts for [1, 1] (models/history.h).
 struct Remember {};
 
+/// features [S, F], radiance [S, 3], valid [S, 1] -> what a recurrent autoencoder sees [1, 7], texture [1, 3]
+/// and emission [1, 3] (models/recurrent.h). First channels of the features that are there, else -1.
+struct TakeRoots {
+  int64_t normal = -1, depth = -1, roughness = -1, albedo = -1, specular = -1, emission = -1;
+};
+
+/// predicted [1, 3], texture [1, 3], emission [1, 3] -> the picture [1, 3] (models/recurrent.h).
+struct RaiseRoots {};
+
+/// -> [1, C]: what the frame before has left as this part of Graph::state, within +-65504; zeros where
+/// nothing comes before.
+struct RecallPart {
+  int64_t part = 0;  // -1: zeros always
+};
+
 /// -> [N, N]: item l is 1 in channel l, else 0; whose splat tells how much of a pixel comes from layer l.
 struct LayerIdentity {};
 
-using Operator = std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped,
-                              FullyConnected, Pad, Convolution, MaxPool, Upsample, Halve, Received,
-                              BlendLevels, Demodulate, Partition, Reject, Splat, Gather, Blur, Mix, Composite,
-                              ModulationFactors, Modulate, Recall, Compare, Remember, LayerIdentity>;
+using Operator =
+    std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped, FullyConnected,
+                 Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
+                 Reject, Splat, Gather, Blur, Mix, Composite, ModulationFactors, Modulate, Recall, Compare,
+                 Remember, TakeRoots, RaiseRoots, RecallPart, LayerIdentity>;
 
 /// Whether each pixel is made from the same pixel of the inputs alone.
 bool is_pixelwise(const Operator& op);

@@ -77,6 +77,7 @@ struct ReadsAround {
   bool operator()(const ModulationFactors&) const { return true; }
   bool operator()(const Recall&) const { return true; }  // of the frame before
   bool operator()(const Compare&) const { return true; }
+  bool operator()(const RecallPart&) const { return true; }  // of the frame before
 };
 
 }  // namespace

@@ -103,15 +103,6 @@ struct Denoiser::State {
     return *execution;
   }
 
-  /// Planes for what a frame leaves; none where nobody keeps it.
-  FrameState empty_state(const SequenceState* sequence, const PictureExtent& picture) const {
-    FrameState state;
-    if (sequence == nullptr) return state;
-    for (const graph::ValueId id : graph.state)
-      state.emplace_back(int(picture.width), int(picture.height), int(graph[id].channels));
-    return state;
-  }
-
   /// What the frame before has left, which is gone from there: a frame that is not finished leaves nothing.
   /// Other light parts than those of the frame before have no history.
   FrameState taken_from(SequenceState* sequence) const {
@@ -135,22 +126,17 @@ struct Denoiser::State {
     for (Image& part : result.parts) images.push_back(&part);
     images.push_back(&result.alpha);
     const FrameState before = taken_from(sequence);
-    FrameState after = empty_state(sequence, run.picture());
-    const size_t first_of_state = graph.outputs().size() - graph.state.size();
-    const auto copy = [&](size_t output, int64_t plane, Image& image, int c, int64_t begin, int64_t end) {
-      for (int64_t y = begin; y < end; ++y)
-        std::copy_n(run.row(output, plane, y), image.width, &image.at(c, 0, int(y)));
-    };
+    FrameState after;
     run.run(
         samples, progress_of(options),
         [&](int64_t begin, int64_t end) {
           int64_t plane = 0;
           for (Image* image : images)
-            for (int c = 0; c < image->channels; ++c) copy(0, plane++, *image, c, begin, end);
-          for (size_t i = 0; i < after.size(); ++i)
-            for (int c = 0; c < after[i].channels; ++c) copy(first_of_state + i, c, after[i], c, begin, end);
+            for (int c = 0; c < image->channels; ++c, ++plane)
+              for (int64_t y = begin; y < end; ++y)
+                std::copy_n(run.row(0, plane, y), image->width, &image->at(c, 0, int(y)));
         },
-        before);
+        before, sequence == nullptr ? nullptr : &after);
     if (!after.empty()) sequence->memory = std::move(after);
     for (float& value : result.alpha.pixels) value = std::min(value, 1.0f);  // rounding may lead beyond
     return result;

@@ -47,19 +47,20 @@ Tensor laplacian_of_gaussian(torch::ScalarType type) {
   return (kernel - kernel.mean()).to(type);
 }
 
-ClipLoss make_clip_loss(const ClipLossConfig& config, Loss loss) {
+ClipLoss make_clip_loss(const ClipLossConfig& config, Loss loss, bool in_powers) {
   if (config.is_plain())
     return [loss = std::move(loss)](const Tensor& denoised, const Tensor& reference, int64_t) {
       return loss(denoised, reference);
     };
-  return [config, loss = std::move(loss)](const Tensor& denoised, const Tensor& reference, int64_t clip) {
+  return [config, loss = std::move(loss), in_powers](const Tensor& denoised, const Tensor& reference,
+                                                     int64_t clip) {
     if (clip < 1 || denoised.dim() != 4 || denoised.size(0) % clip != 0)
       fail("clip_loss: {} pictures are not whole clips of {}", denoised.size(0), clip);
     const Tensor d = denoised.unflatten(0, {-1, clip}),
                  r = reference.to(denoised.device()).unflatten(0, {-1, clip});
     const bool mapped = config.gradient > 0 || config.temporal > 0;
     // All terms but the spatial one see differences alone.
-    const Tensor difference = mapped ? tone_map(d) - tone_map(r) : Tensor();
+    const Tensor difference = !mapped ? Tensor() : in_powers ? d - r : tone_map(d) - tone_map(r);
     const std::vector<double> weights = frame_weights(clip, config.rise);
     Tensor sum;
     double weight = 0;

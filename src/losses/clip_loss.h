@@ -20,13 +20,14 @@ using ClipLoss =
 ///   L_f = spatial loss(d_f, r_f) + gradient mean |LoG * P_f - LoG * R_f|
 ///         + temporal mean |(P_f - P_(f-1)) - (R_f - R_(f-1))|,
 /// the last 0 for the first frame, and the loss is sum_f w_f L_f / sum_f w_f with w_f from frame_weights().
-/// (The paper takes the fifth root of linear values for the tone map.) Changes are compared where they are,
+/// (The paper takes the fifth root of linear values for the tone map; with `in_powers`, d and r are such
+/// roots, and P and R are they themselves.) Changes are compared where they are,
 /// without motion vectors: what moves in the reference must move alike. An error that stays the same costs
 /// nothing in the temporal term, nor one that is linear across the picture in the gradient term.
 /// Differentiable in the picture, value and gradient are finite wherever loss's are. A plain configuration is
 /// loss(d, r) itself, bit for bit. Throws Error for pictures that cannot be folded so, and, with the gradient
 /// term, for less than 15 pixels a side.
-ClipLoss make_clip_loss(const ClipLossConfig& config, Loss loss);
+ClipLoss make_clip_loss(const ClipLossConfig& config, Loss loss, bool in_powers = false);
 
 /// w_f = exp(-(clip - 1 - f)^2 / (2 rise^2)), or 1 for all with a rise of 0.
 std::vector<double> frame_weights(int64_t clip, double rise);

@@ -51,6 +51,7 @@ struct Execution::State {
   std::vector<ValueId> outputs;
   std::vector<double> row_work;  // of each unit, a row of its output
   decltype(ExecutionOptions::made) made;
+  FrameState* left = nullptr;  // of the frame that runs
   double work = 0;
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
@@ -75,14 +76,41 @@ struct Execution::State {
     }
   }
 
+  bool is_image_of(const Image& image, ValueId id) const {
+    const ValueExtent extent = extent_of(context.graph, id, context.picture);
+    return image.width == extent.width && image.height == extent.height && image.channels == extent.planes;
+  }
+
+  /// Planes for what a frame leaves; none where nobody keeps it.
+  void make_state(FrameState* after) {
+    left = after;
+    if (left == nullptr) return;
+    left->clear();
+    for (const ValueId id : context.graph.state) {
+      const ValueExtent extent = extent_of(context.graph, id, context.picture);
+      left->emplace_back(int(extent.width), int(extent.height), int(extent.planes));
+    }
+  }
+
+  /// What was made of the state.
+  void keep_state(const Unit& unit, int64_t begin, int64_t end) {
+    if (left == nullptr) return;
+    for (size_t i = 0; i < left->size(); ++i) {
+      const ValueId id = context.graph.state[i];
+      if (std::find(unit.outputs.begin(), unit.outputs.end(), id) == unit.outputs.end()) continue;
+      Image& image = (*left)[i];
+      for (int64_t y = begin; y < end; ++y)
+        for (int c = 0; c < image.channels; ++c)
+          std::copy_n(context.windows[id].row(y, c), image.width, &image.at(c, 0, int(y)));
+    }
+  }
+
   /// Nothing, or what such a graph leaves.
   void expect_state(const FrameState& before) const {
     const std::vector<ValueId>& state = context.graph.state;
     if (before.empty()) return;
     bool fits = before.size() == state.size();
-    for (size_t i = 0; fits && i < state.size(); ++i)
-      fits = before[i].width == context.picture.width && before[i].height == context.picture.height &&
-             before[i].channels == context.graph[state[i]].channels;
+    for (size_t i = 0; fits && i < state.size(); ++i) fits = is_image_of(before[i], state[i]);
     if (!fits)
       fail("the state of a frame before is not one of this network's for {}x{} pixels; begin without one",
            context.picture.width, context.picture.height);
@@ -90,9 +118,12 @@ struct Execution::State {
 
   /// What one frame leaves for the next.
   int64_t state_bytes() const {
-    int64_t planes = 0;
-    for (const ValueId id : context.graph.state) planes += context.graph[id].channels;
-    return planes * context.picture.height * context.picture.width * int64_t(sizeof(float));
+    int64_t floats = 0;
+    for (const ValueId id : context.graph.state) {
+      const ValueExtent extent = extent_of(context.graph, id, context.picture);
+      floats += extent.planes * extent.height * extent.width;
+    }
+    return floats * int64_t(sizeof(float));
   }
 
   double work_of_row(const graph::Node& node) const {
@@ -144,14 +175,17 @@ struct Execution::State {
     if (!graph::is_pixelwise(context.graph.nodes[nodes[0]].op))  // those know better
       context.seconds[nodes[0]] +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    keep_state(schedule.units()[unit], begin, end);
     if (!made) return;
     for (const ValueId value : schedule.units()[unit].outputs)
       made(value, context.windows[value], begin, end);
   }
 
   /// Makes all rows, and hands out those of the outputs.
-  void walk(SampleSource& source, const Progress& progress, const Rows& rows, const FrameState& before) {
+  void walk(SampleSource& source, const Progress& progress, const Rows& rows, const FrameState& before,
+            FrameState* after) {
     begin(source, before);
+    make_state(after);
     double done = 0, told = 0;
     schedule.walk(
         [&](size_t unit, int64_t begin, int64_t end) {
@@ -202,18 +236,18 @@ const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
   return state_->context.windows[state_->outputs[output]].row(y, plane);
 }
 
-void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows,
-                    const FrameState& before) {
+void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows, const FrameState& before,
+                    FrameState* after) {
   const FlushedDenormals flushed(state_->context.threads);
   FrameSource source(frame, state_->context.graph, state_->context.threads);
-  state_->walk(source, progress, rows, before);
+  state_->walk(source, progress, rows, before, after);
 }
 
 void Execution::run(const SampleArrays& arrays, const Progress& progress, const Rows& rows,
-                    const FrameState& before) {
+                    const FrameState& before, FrameState* after) {
   const FlushedDenormals flushed(state_->context.threads);
   ArraySource source(arrays, state_->context.graph, state_->context.threads);
-  state_->walk(source, progress, rows, before);
+  state_->walk(source, progress, rows, before, after);
 }
 
 std::vector<Image> Execution::run(const Frame& frame, const Progress& progress, const FrameState& before) {
@@ -226,7 +260,9 @@ std::vector<Image> Execution::run(const Frame& frame, const Progress& progress, 
         for (int c = 0; c < images[i].channels; ++c)
           std::copy_n(row(i, c, y), frame.width, &images[i].at(c, 0, int(y)));
   };
-  run(frame, progress, keep, before);
+  FrameState after;
+  run(frame, progress, keep, before, &after);
+  for (Image& image : after) images.push_back(std::move(image));
   return images;
 }
 

@@ -40,15 +40,18 @@ class Execution {
   /// Rows [begin, end) of all outputs are there: row(output, plane, y).
   using Rows = std::function<void(int64_t begin, int64_t end)>;
 
-  /// All outputs of the graph (Graph::outputs()), the denoised picture [3 + parts, H, W] first. The frame has
-  /// that size and those parts, has been sanitised and has a depth scale. `before`: what the frame before has
-  /// left, or nothing. Throws Error for a state of another network or size.
+  /// All outputs of the graph (Graph::outputs()), the denoised picture [3 + parts, H, W] first, and behind
+  /// them what the frame leaves. The frame has that size and those parts, has been sanitised and has a depth
+  /// scale. `before`: what the frame before has left, or nothing. Throws Error for a state of another network
+  /// or size.
   std::vector<Image> run(const Frame& frame, const Progress& progress = {}, const FrameState& before = {});
-  /// The same, without keeping what `rows` does not keep.
-  void run(const Frame& frame, const Progress& progress, const Rows& rows, const FrameState& before = {});
+  /// The same, without keeping what `rows` does not keep. `after`, where it is given, receives what the frame
+  /// leaves.
+  void run(const Frame& frame, const Progress& progress, const Rows& rows, const FrameState& before = {},
+           FrameState* after = nullptr);
   /// Of samples that nobody has sanitised, with the bits of a frame of them.
   void run(const SampleArrays& arrays, const Progress& progress, const Rows& rows,
-           const FrameState& before = {});
+           const FrameState& before = {}, FrameState* after = nullptr);
   /// Of the outputs' rows that are there: number `output`, the graph's own first.
   const float* row(size_t output, int64_t plane, int64_t y) const;
 

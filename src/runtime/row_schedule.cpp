@@ -36,6 +36,9 @@ struct RowSchedule::Walk {
     for (const ValueId output : schedule.outputs_) advance(schedule.producer_[output], end);
     done(handed_out, end);
     handed_out = end;
+    if (handed_out == height)  // of a padded picture, rows that no output reads
+      for (const ValueId id : schedule.graph_.state)
+        advance(schedule.producer_[id], schedule.extents_[id].height);
     return true;
   }
 

@@ -26,7 +26,7 @@ class RowSchedule {
   int64_t capacity(graph::ValueId id) const { return capacity_[id]; }
 
   /// run(unit, begin, end) makes those rows of what the unit puts out. Calls done(begin, end) whenever rows
-  /// of all outputs of the graph are there.
+  /// of all outputs of the graph are there. Of the graph's state all rows are made, in their time.
   using Run = std::function<void(size_t unit, int64_t begin, int64_t end)>;
   using Done = std::function<void(int64_t begin, int64_t end)>;
   void walk(const Run& run, const Done& done) const;

@@ -92,6 +92,11 @@ std::unique_ptr<TileStep> make_step(const graph::Modulate& op, const graph::Node
 std::unique_ptr<Step> make_step(const graph::Recall& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Compare& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::Remember& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::TakeRoots& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::RaiseRoots& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<Step> make_step(const graph::RecallPart& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::LayerIdentity& op, const graph::Node& node,
                                     StepContext& context);
 

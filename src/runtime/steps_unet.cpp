@@ -68,7 +68,7 @@ class DirectConvolutionStep : public Step {
     for_each_stretch(context_.threads, begin, end, padded(out_.width), kStretch,
                      [&](int64_t y, int64_t x, int64_t count, int) {
                        convolve({&weights_, inputs_.sources<ConvolutionSource>(y - 1), out_.row(y),
-                                 out_.pitch, x, x + count, out_.width, op_.activated});
+                                 out_.pitch, x, x + count, out_.width, float(op_.slope)});
                      });
   }
 
@@ -116,7 +116,7 @@ class TiledConvolutionStep : public Step {
                                                   x,
                                                   x + count,
                                                   out_.width,
-                                                  op_.activated},
+                                                  float(op_.slope)},
                                 scratch_[size_t(thread)]);
                      });
   }

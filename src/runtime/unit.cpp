@@ -35,7 +35,9 @@ class Grouping {
             add_once(units[u].inputs, input);
             add_once(units[producer_[input]].outputs, input);
           }
-    for (const ValueId output : graph_.outputs()) add_once(units[producer_[output]].outputs, output);
+    std::vector<ValueId> kept = graph_.outputs();
+    kept.insert(kept.end(), graph_.state.begin(), graph_.state.end());
+    for (const ValueId output : kept) add_once(units[producer_[output]].outputs, output);
     return units;
   }
 

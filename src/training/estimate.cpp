@@ -6,7 +6,6 @@
 #include "core/process/process_memory.h"
 #include "core/progress.h"
 #include "ops/memory_pool.h"
-#include "training/optimizer/clip_pass.h"
 #include "training/optimizer/optimizer.h"
 
 namespace ld {
@@ -42,13 +41,11 @@ double fastest_pass(const std::function<bool()>& stop, const std::function<void(
 
 }  // namespace
 
-BatchCost measure_batch(Network& network, const ClipLoss& loss, const Batch& batch,
-                        const std::function<bool()>& stop) {
+BatchCost measure_batch(Network& network, const ClipLoss& loss, const ClipPassOptions& pass_options,
+                        const Batch& batch, const std::function<bool()>& stop) {
   BatchCost cost;
   cost.seconds = fastest_pass(stop, [&] {
-    const torch::Tensor denoised = denoise_clips(network, batch.input, batch.clip);
-    loss(denoised, batch.reference, batch.clip).backward();
-    wait_for_device(denoised);
+    add_gradient(network, batch, loss, 1, pass_options);
     forget_gradients(network);
   });
   cost.megabytes = megabytes(static_cast<double>(peak_resident_bytes()));

@@ -8,6 +8,7 @@
 #include "dataset/input_tensors.h"
 #include "losses/clip_loss.h"
 #include "models/network.h"
+#include "training/optimizer/clip_pass.h"
 #include "training/validation.h"
 
 namespace ld {
@@ -25,8 +26,8 @@ struct ValidationCost {
 
 /// Measures two passes forward and backward (one, when it takes 10 s), and keeps the faster; leaves neither
 /// gradients nor anything else behind. Ends early when `stop` becomes true between passes.
-BatchCost measure_batch(Network& network, const ClipLoss& loss, const Batch& batch,
-                        const std::function<bool()>& stop);
+BatchCost measure_batch(Network& network, const ClipLoss& loss, const ClipPassOptions& pass_options,
+                        const Batch& batch, const std::function<bool()>& stop);
 
 /// The same without gradients, over the middle of the largest validation frame, up to 512x512 pixels of it.
 /// Memory is what the process has, what the pass takes of the pool (ops/memory_pool.h) times as many pixels

@@ -51,7 +51,7 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
       validation_(make_validation_stores(config_), config_.run.images, validation_samples(config_.data)),
       checkpoints_(run_, config_.run.keep),
       loss_(options.loss ? options.loss : make_loss(config_.loss)),
-      clip_loss_(make_clip_loss(config_.clip_loss, loss_)),
+      clip_loss_(make_clip_loss(config_.clip_loss, loss_, network_traits(config_.network.name).in_powers)),
       kernel_probe_(options.kernel_probe ? options.kernel_probe : kernel_statistics),
       // A run that continues takes its weights from a checkpoint, and other ranks take those of rank 0.
       network_(make_initial_network(config_, group_.is_root() && !checkpoints_.begun())),
@@ -123,7 +123,8 @@ bool Trainer::must_stop() {
 }
 
 double Trainer::rate_of(int64_t step) const {
-  const int64_t epoch = step * config_.optimizer.accumulate / training_set_.batches_per_epoch();
+  const double epoch = static_cast<double>(step * config_.optimizer.accumulate) /
+                       static_cast<double>(training_set_.batches_per_epoch());
   return state().rate_factor() * learning_rate(config_.optimizer, step, epoch, total_steps());
 }
 
@@ -168,16 +169,19 @@ void Trainer::validate() {
     return;
   }
   const torch::NoGradGuard no_graph;
-  const int samples = validation_samples(config_.data).input;
-  const KernelStatistics kernels = mean_over_processes(
-      kernel_probe_(network,
-                    training_set_.batch_with(0, samples > 0 ? samples : training_set_.samples().most).input),
-      training_set_.batch_share(), group_);
   row_ = result->scores;
-  add_to_row(kernels, row_);
+  const Filter filter = network_traits(config_.network.name).filter;
+  KernelStatistics kernels;
+  if (filter != Filter::none) {
+    const int samples = validation_samples(config_.data).input,
+              drawn = samples > 0 ? samples : training_set_.samples().most;
+    kernels = mean_over_processes(kernel_probe_(network, training_set_.batch_with(0, drawn).input),
+                                  training_set_.batch_share(), group_);
+    add_to_row(kernels, row_);
+  }
   const double loss = validation_.has_sample_targets() ? judge(*result) : row_.at("validation_loss");
   // A network with a filter of its own may well have one kernel for all pixels.
-  if (network_traits(config_.network.name).filter == Filter::own)
+  if (filter == Filter::own || filter == Filter::none)
     course_.validated(loss, kNotJudged, kNotJudged);
   else
     course_.validated(loss, kernels.entropy, kernels.deviation);

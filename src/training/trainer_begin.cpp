@@ -77,7 +77,8 @@ void Trainer::announce() {
   plan.accumulate = config_.optimizer.accumulate;
   const int64_t first = state().step * plan.accumulate;
   const auto measure = [&](const Batch& batch) {
-    return measure_batch(*network_, clip_loss_, batch, [] { return stop_requested(); });
+    return measure_batch(*network_, clip_loss_, {config_.optimizer.truncation, config_.optimizer.recompute},
+                         batch, [] { return stop_requested(); });
   };
   const SampleRange& samples = training_set_.samples();
   if (!validation_.empty())

@@ -140,9 +140,16 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
                                                    config.network.features, cache),
                       set.weight});
   TrainingSetOptions options;
-  options.augmentation = {
-      static_cast<int>(data.crop),       data.flips,   data.rotations, static_cast<int>(data.difficulty),
-      static_cast<float>(data.exposure), data.colours, data.reversal};
+  options.augmentation = {static_cast<int>(data.crop),
+                          data.flips,
+                          data.rotations,
+                          static_cast<int>(data.difficulty),
+                          static_cast<float>(data.exposure),
+                          data.colours,
+                          data.reversal,
+                          static_cast<float>(data.tint),
+                          static_cast<float>(data.stop),
+                          static_cast<float>(data.freeze)};
   options.samples = sample_range(data);
   options.sample_targets = data.sample_targets();
   options.drop = data.drop;

@@ -120,9 +120,9 @@ std::set<size_t> Validation::shown(const ProcessGroup& group) const {
 
 std::optional<ValidationResult> Validation::run(Network& network, const Loss& loss, ProcessGroup& group,
                                                 const std::function<bool()>& stop) const {
-  const Denoise forward = [&](NetworkInput input, SequenceState& sequence) {
+  const Denoise forward = [&](NetworkInput input, const torch::Tensor& reference, SequenceState& sequence) {
     if (!sequence.memory.has_value()) sequence.memory = NetworkState();
-    return network.forward(std::move(input), std::any_cast<NetworkState&>(sequence.memory));
+    return network.compare(std::move(input), reference, std::any_cast<NetworkState&>(sequence.memory));
   };
   return run(forward, network.config().features, loss, group, stop);
 }
@@ -159,8 +159,10 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
       picture.name = frame.store->name(frame.index);
       const bool is_shown = turn == 0 && shown_frames.count(i) > 0;
       if (is_shown) picture.noisy = mean_of_samples(batch.input);
-      const torch::Tensor denoised = denoise(samples_.targets ? batch.input : std::move(batch.input), state);
-      row[0] += loss(denoised, batch.reference).item<double>() / turns;
+      const Compared compared =
+          denoise(samples_.targets ? batch.input : std::move(batch.input), batch.reference, state);
+      const torch::Tensor& denoised = compared.picture;
+      row[0] += loss(compared.predicted, compared.target).item<double>() / turns;
       picture.denoised = to_image(denoised.squeeze(0));
       picture.reference = to_image(batch.reference.squeeze(0));
       for (size_t m = 0; m < metrics().size(); ++m)

@@ -45,8 +45,10 @@ struct ValidationSamples {
 
 class Validation {
  public:
-  /// A frame of one [1, S, ...], denoised [1, 3, H, W]. The state has been told of the frame.
-  using Denoise = std::function<torch::Tensor(NetworkInput input, SequenceState& state)>;
+  /// A frame of one [1, S, ...] and its reference, as Network::compare() has them. The state has been told of
+  /// the frame.
+  using Denoise =
+      std::function<Compared(NetworkInput input, const torch::Tensor& reference, SequenceState& state)>;
 
   /// Up to `pictures` frames, spread evenly, are kept for looking at.
   Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures,

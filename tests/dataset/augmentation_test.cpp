@@ -84,7 +84,7 @@ TEST(Augmentation, RandomOnesCoverTheFrameAndStayInside) {
     const Augmentation a = random_augmentation(stream, {&frame}, {8, true, true, 1, 0});
     ASSERT_TRUE(a.x >= 0 && a.x + a.width <= 20 && a.y >= 0 && a.y + a.height <= 10);
     ASSERT_TRUE(a.width == 8 && a.height == 8);
-    ASSERT_EQ(a.exposure, 1);
+    ASSERT_EQ(a.exposure, (std::array<float, 3>{1, 1, 1}));
     flips += a.flip_x;
     left += a.x == 0;
     right += a.x == 12;
@@ -112,9 +112,9 @@ TEST(Augmentation, ExposureIsUniformInStopsAndChangesNoCrop) {
     const Augmentation plain = random_augmentation(same, {&frame}, {8, true, true, 1, 0});
     ASSERT_TRUE(a.x == plain.x && a.y == plain.y && a.flip_x == plain.flip_x &&
                 a.quarter_turns == plain.quarter_turns);
-    brighter += a.exposure > 2;  // the upper quarter
-    low = std::min(low, a.exposure);
-    high = std::max(high, a.exposure);
+    brighter += a.exposure[0] > 2;  // the upper quarter
+    low = std::min(low, a.exposure[0]);
+    high = std::max(high, a.exposure[0]);
   }
   EXPECT_NEAR(brighter, 500, 120);
   EXPECT_GE(low, 0.25F);

@@ -212,6 +212,51 @@ TEST(ClipBatches, HalfOfThemRunBackwardsWhereAsked) {
   EXPECT_NEAR(backwards, 60, 27);
 }
 
+// The blue of a reference is the number of its frame, the red of a sample is its own number plus one.
+TEST(ClipBatches, SomeStopAndSomeFreezeWithOtherSamplesInEachFrame) {
+  const TemporaryFolder folder;
+  write_tiny_sequences(folder.path(), {9}, "train", 16, 8);
+  TrainingSetOptions still = clip_options(5, 1);
+  still.samples = {1, 1};
+  still.augmentation.stop = 0.3F;
+  still.augmentation.freeze = 0.3F;
+  const std::vector<std::string> features = {"radiance", "normal"};
+  const TrainingSet set = clip_set(folder.path(), still, features);
+  int stopped = 0, frozen = 0, moving = 0;
+  std::set<int> frozen_at;
+  constexpr int kClips = 400;
+  for (int64_t number = 0; number < kClips; ++number) {
+    const Batch batch = set.batch_with(number, 1);
+    std::vector<int> frames;
+    std::set<int> of_last;
+    for (int64_t t = 0; t < 5; ++t) {
+      frames.push_back(int(batch.reference[t][2].max().item<float>()));
+      EXPECT_EQ(batch.input.radiance[t][0][1].max().item<float>(), float(frames.back()));
+    }
+    int stay = 4;
+    while (stay > 0 && frames[size_t(stay - 1)] == frames[4]) --stay;
+    for (int t = stay; t < 5; ++t) of_last.insert(int(batch.input.radiance[t][0][0].max().item<float>()));
+    EXPECT_EQ(of_last.size(), size_t(5 - stay)) << "no sample twice";
+    for (int t = 1; t <= stay; ++t) EXPECT_EQ(frames[size_t(t)], frames[size_t(t - 1)] + 1);
+    (stay == 0 ? stopped : stay == 4 ? moving : frozen) += 1;
+    if (stay > 0 && stay < 4) frozen_at.insert(stay);
+    EXPECT_TRUE(equal(batch, set.batch_with(number, 1)));
+  }
+  EXPECT_NEAR(stopped, 0.3 * kClips, 30);
+  EXPECT_NEAR(frozen, 0.3 * kClips, 30);
+  EXPECT_NEAR(moving, 0.4 * kClips, 30);
+  EXPECT_EQ(frozen_at, (std::set<int>{1, 2, 3}));
+  // Crops and turns are those of clips that move on.
+  TrainingSetOptions plain = still;
+  plain.augmentation.stop = plain.augmentation.freeze = 0;
+  const TrainingSet moving_set = clip_set(folder.path(), plain, features);
+  for (int64_t number = 0; number < 20; ++number)
+    EXPECT_TRUE(set.batch_with(number, 1).reference[0].equal(moving_set.batch_with(number, 1).reference[0]));
+  EXPECT_ERROR(clip_set(folder.path(), still), "data.stop");
+  still.augmentation.stop = 0.8F;
+  EXPECT_ERROR(clip_set(folder.path(), still, features), "more than all clips");
+}
+
 TEST(ClipBatches, WhatCannotBeIsAnError) {
   const TemporaryFolder folder;
   write_tiny_sequences(folder.path(), {6});

@@ -73,6 +73,7 @@ struct Expected {
   int colour(int c) const { return a.colours[static_cast<size_t>(c)]; }
 
   float encoded(int s, const Feature& feature, int c, size_t p) const {
+    const auto channel = size_t(c);  // of the result
     if (feature.channels == 3 && feature.name != "normal") c = colour(c);
     float v[3] = {frame.plane(s, feature.offset)[p], 0, 0};
     for (int i = 1; i < feature.channels; ++i) v[i] = frame.plane(s, feature.offset + i)[p];
@@ -88,7 +89,7 @@ struct Expected {
       }
       v[1] *= up;
     }
-    if (feature.encoding == Encoding::tone_map) v[c] *= a.exposure;
+    if (feature.encoding == Encoding::tone_map) v[c] *= a.exposure[channel];
     float result = 0;
     encode(feature, frame.info.depth_scale, &v[c], &result, 1);
     return result;
@@ -104,14 +105,14 @@ void check_crop(const Frame& frame, const PackedFrame& packed, const Augmentatio
       const size_t p = expected.source(x, y);
       const auto at = static_cast<size_t>(y) * static_cast<size_t>(a.result_width()) + static_cast<size_t>(x);
       for (int c = 0; c < 3; ++c)
-        ASSERT_EQ(crop.reference.plane(c)[at], a.exposure * mean.plane(expected.colour(c))[p])
+        ASSERT_EQ(crop.reference.plane(c)[at], a.exposure[size_t(c)] * mean.plane(expected.colour(c))[p])
             << x << " " << y;
       for (int s = 0; s < frame.spp; ++s) {
         const bool valid = frame.valid_plane(s)[p] != 0;
         ASSERT_EQ(crop.frame.valid_plane(s)[at], valid ? 1 : 0);
         for (int c = 0; c < 3; ++c)
           ASSERT_EQ(crop.radiance[static_cast<size_t>(s * 3 + c) * crop.frame.plane_size() + at],
-                    valid ? a.exposure * frame.plane(s, expected.colour(c))[p] : 0.0F);
+                    valid ? a.exposure[size_t(c)] * frame.plane(s, expected.colour(c))[p] : 0.0F);
         for (const std::string& name : packed.features) {
           const Feature& feature = find_feature(name);
           for (int c = 0; c < feature.channels; ++c)
@@ -146,7 +147,7 @@ TEST(Crop, EveryPixelIsWhereAndWhatItShouldBe) {
     Augmentation inside = whole_frame((width + 1) / 2, (height + 2) / 3, true, false, 1);
     inside.x = width / 3;
     inside.y = height / 2;
-    inside.exposure = 0.7F;
+    inside.exposure = {0.7F, 0, 1};
     inside.colours = {2, 0, 1};
     check_crop(frame, packed, inside);
     inside.x = inside.y = 0;
@@ -166,7 +167,7 @@ TEST(Crop, PartsOfRadianceTurnAndShineAsItDoes) {
         Augmentation a = whole_frame(21, 13, flip_x, flip_y, turns);
         check_crop(frame, packed, a);
         a.colours = {2, 0, 1};
-        a.exposure = 1.75F;
+        a.exposure = {1.75F, 1.75F, 0.5F};
         check_crop(frame, packed, a);
       }
 }

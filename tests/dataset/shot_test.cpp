@@ -98,7 +98,7 @@ TEST(SampleTargets, TakeThePlaceOfTheReferenceTurnedAsItIs) {
   const PackedFrame plain = pack(frame, Image(), frame.features);
   const PackedFrame expected = pack(frame, mean_of(frame, targets), frame.features);
   Augmentation part = whole_frame(37, 21, true, false, 1);
-  part.exposure = 2;
+  part.exposure = {2, 2, 2};
   part.colours = {2, 0, 1};
   const size_t pixels = 37 * 21;
   std::vector<float> features(2 * pixels * static_cast<size_t>(plain.channels())), radiance(2 * 3 * pixels),

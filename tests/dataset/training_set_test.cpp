@@ -247,6 +247,28 @@ TEST(TrainingSet, ExposureScalesSamplesAndReference) {
   }
 }
 
+// A factor for each channel, the same for samples and reference, so that their ratio stays.
+TEST(TrainingSet, TintScalesEachChannelOfSamplesAndReference) {
+  const TemporaryFolder folder;
+  write_tiny_dataset(folder.path(), 4);
+  TrainingSetOptions tinted = options(8, 4);
+  tinted.augmentation.tint = 2;
+  TrainingSet plain = training_set(folder.path(), options(8, 4)), set = training_set(folder.path(), tinted);
+  const Batch before = plain.batch(0), after = set.batch(0);
+  std::set<float> factors;
+  for (int64_t b = 0; b < 4; ++b)
+    for (int64_t c = 0; c < 3; ++c) {
+      const torch::Tensor factor = after.reference[b][c].sum() / before.reference[b][c].sum();
+      EXPECT_GE(factor.item<float>(), 0);
+      EXPECT_LE(factor.item<float>(), 2);
+      factors.insert(factor.item<float>());
+      EXPECT_TRUE(torch::allclose(after.reference[b][c], factor * before.reference[b][c], 1e-5));
+      const auto radiance = [&](const Batch& batch) { return batch.input.radiance[b].select(1, c); };
+      EXPECT_TRUE(torch::allclose(radiance(after), factor * radiance(before), 1e-5));
+    }
+  EXPECT_EQ(factors.size(), 12U);
+}
+
 // A crop lacks an optional feature in its share of the time, all of it; other features and the light are as
 // ever.
 TEST(TrainingSet, OptionalFeaturesAreDropped) {

@@ -7,6 +7,7 @@
 #include "core/file_io.h"
 #include "export/onnx_evaluator.h"
 #include "export/onnx_file.h"
+#include "export/onnx_network.h"
 #include "models/check_network.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
@@ -110,14 +111,46 @@ TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
   }
 }
 
-TEST_F(OnnxExportTest, ANetworkThatRemembersIsRefused) {
+TEST_F(OnnxExportTest, AHistoryThatMovesIsRefused) {
   int refused = 0;
   for (const NetworkConfig& config : every_config()) {
     if (!network_traits(config.name).remembers) continue;
     ++refused;
-    EXPECT_ERROR(exported(config), "keeps a state from frame to frame");
+    EXPECT_ERROR(exported(config), "keeps a history that moves");
   }
   EXPECT_GT(refused, 0);
+}
+
+// The state is inputs and outputs of the model: twenty frames, each behind what the one before has left.
+TEST_F(OnnxExportTest, AStateGoesFromFrameToFrame) {
+  for (const NetworkConfig& config : every_network()) {
+    if (network_traits(config.name).filter != Filter::none) continue;
+    const onnx::ModelProto model = exported(config);
+    const size_t parts = config.recurrence ? 3 : 0;
+    ASSERT_EQ(size_t(model.graph().input_size()), 3 + parts);
+    ASSERT_EQ(size_t(model.graph().output_size()), 1 + parts);
+    for (size_t part = 0; part < parts; ++part) {
+      EXPECT_EQ(model.graph().input(int(3 + part)).name(), onnx_state(part));
+      EXPECT_EQ(model.graph().output(int(1 + part)).name(), onnx_next_state(part));
+    }
+    const OnnxEvaluator evaluator(model);
+    const torch::InferenceMode no_graph;
+    for (const auto& [h, w] : {std::pair(1, 1), std::pair(5, 3), std::pair(13, 22)}) {
+      NetworkState expected_state;
+      std::vector<Tensor> state;
+      for (uint32_t f = 0; f < 20; ++f) {
+        const NetworkInput input = random_input(config, 2, 2, h, w, torch::kFloat32, 100 + 10 * f);
+        if (f == 0) state = empty_onnx_state(config, input);
+        const Tensor expected = source_.network->forward(input, expected_state),
+                     found = evaluator.forward(input, state);
+        EXPECT_LT(largest_relative_difference({found}, {expected}), 1e-4)
+            << title(config) << " frame " << f << " " << h << "x" << w;
+      }
+      for (size_t part = 0; part < parts; ++part)
+        EXPECT_LT(largest_relative_difference({state[part]}, {expected_state.at("h" + std::to_string(part))}),
+                  1e-4);
+    }
+  }
 }
 
 TEST_F(OnnxExportTest, TheFileSaysWhatItIsAndWhatWasMeasured) {

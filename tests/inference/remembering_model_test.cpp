@@ -6,6 +6,7 @@
 #include "inference/denoiser.h"
 #include "layered_denoiser/layered_denoiser.hpp"
 #include "tests/inference/denoising_test.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/moving_frame.h"
 
 namespace ld {
@@ -17,13 +18,25 @@ DenoiseOptions on_two_threads() {
   return options;
 }
 
-class RememberingModel : public DenoisingTest {
+NetworkConfig history_model() {
+  NetworkConfig config = small_config();
+  config.name = "layer_history";
+  config.features = {"radiance", "depth", "normal", "albedo", "flow"};
+  config.demodulation = "albedo";
+  return config;
+}
+
+NetworkConfig recurrent_model() {
+  NetworkConfig config = small_recurrent_config();
+  config.optional = {"emission"};  // which these frames lack
+  return config;
+}
+
+/// By the names of their networks.
+class RememberingModel : public DenoisingTest, public ::testing::WithParamInterface<std::string> {
  protected:
   void SetUp() override {
-    NetworkConfig config = small_config();
-    config.name = "layer_history";
-    config.features = {"radiance", "depth", "normal", "albedo", "flow"};
-    config.demodulation = "albedo";
+    const NetworkConfig config = GetParam() == "recurrent" ? recurrent_model() : history_model();
     save_network(model_, *small_network(config, torch::kFloat32), "{}", DType::f32);
   }
 
@@ -50,7 +63,7 @@ class RememberingModel : public DenoisingTest {
   std::string model_ = path("remembering.safetensors");
 };
 
-TEST_F(RememberingModel, CarriesItsStateOverASequenceAndBeginsAnewAtAHole) {
+TEST_P(RememberingModel, CarriesItsStateOverASequenceAndBeginsAnewAtAHole) {
   write_frames({1, 2, 3, 5, 6});
   const DenoiseReport report = denoise("walk.#.exr", "out.#.exr");
   EXPECT_TRUE(report.failed.empty());
@@ -69,7 +82,7 @@ TEST_F(RememberingModel, CarriesItsStateOverASequenceAndBeginsAnewAtAHole) {
   }
 }
 
-TEST_F(RememberingModel, TheLibraryCarriesItsStateUntilARestart) {
+TEST_P(RememberingModel, TheLibraryCarriesItsStateUntilARestart) {
   ld_set_threads(2);
   layered_denoiser::Denoiser library(model_);
   EXPECT_TRUE(library.remembers());
@@ -102,7 +115,7 @@ TEST_F(RememberingModel, TheLibraryCarriesItsStateUntilARestart) {
   }
 }
 
-TEST_F(RememberingModel, HalvesWithTheStatePassedOnAreTheWhole) {
+TEST_P(RememberingModel, HalvesWithTheStatePassedOnAreTheWhole) {
   const Denoiser whole(model_), first(model_), second(model_);
   SequenceState one, passed;
   for (int number = 0; number < 6; ++number) {
@@ -114,8 +127,24 @@ TEST_F(RememberingModel, HalvesWithTheStatePassedOnAreTheWhole) {
   }
 }
 
+// A network without a filter cannot tell parts of the light apart.
+TEST_P(RememberingModel, PartsOfTheLightNeedAFilter) {
+  Frame frame = moving_frame(24, 18, 2, 0);
+  frame.add_part("part");
+  if (GetParam() == "recurrent") {
+    EXPECT_ERROR(Denoiser(model_).denoise_parts(frame, false), "cannot filter parts of it");
+  } else {
+    EXPECT_NO_THROW(Denoiser(model_).denoise_parts(frame, false));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Networks, RememberingModel, ::testing::Values("layer_history", "recurrent"),
+                         [](const auto& network) { return network.param; });
+
+class RememberingParts : public RememberingModel {};
+
 // What parts of the light come to is what the picture comes to, with their history as well.
-TEST_F(RememberingModel, PartsOfTheLightHaveTheHistoryOfTheWhole) {
+TEST_P(RememberingParts, HaveTheHistoryOfTheWhole) {
   const Denoiser denoiser(model_);
   SequenceState state, plain;
   for (int number = 0; number < 4; ++number) {
@@ -137,6 +166,9 @@ TEST_F(RememberingModel, PartsOfTheLightHaveTheHistoryOfTheWhole) {
                   1e-4 * (1 + expected.pixels[i]));
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Networks, RememberingParts, ::testing::Values("layer_history"),
+                         [](const auto& network) { return network.param; });
 
 }  // namespace
 }  // namespace ld

@@ -150,5 +150,37 @@ TEST(ClipLoss, WhatCannotBeFoldedIsAnError) {
   EXPECT_ERROR(loss(small, small, 2), "20x14 pixels; expected at least 15 a side");
 }
 
+// Of fifth roots: constant errors cost nothing in the gradient term, static ones nothing in the temporal
+// term.
+TEST(ClipLoss, InPowersIsOfThePicturesAsTheyAre) {
+  const Tensor r = pictures(3), error = random_uniform({1, 3, 17, 19}, 4, 0, 1);
+  const auto value = [&](const ClipLossConfig& config, const Tensor& d) {
+    return make_clip_loss(config, make_loss("l1"), /*in_powers=*/true)(d, r, kFrames).item<double>();
+  };
+  EXPECT_LE(value(kGradientAlone, r - 0.7), 1e-12);
+  const Tensor ramp = torch::arange(19, torch::kFloat64).view({1, 1, 1, -1}) * 0.3;
+  EXPECT_LE(value(kGradientAlone, r + ramp), 1e-12);
+  EXPECT_LE(value(kTemporalAlone, r + error), 1e-12);
+  EXPECT_GT(value(kGradientAlone, r + error), 1e-3);
+  // By hand: 1 everywhere, but for one frame that flashes; its change counts twice.
+  Tensor d = r + 1;
+  d.select(0, 3) += 1;
+  const std::vector<double> w = frame_weights(kFrames, 2);
+  double sum = 0;
+  for (const double weight : w) sum += weight;
+  EXPECT_NEAR(value({1, 0, 0, 2}, d), 0.5 * (1 + (sum + w[3]) / sum), 1e-12);
+  EXPECT_NEAR(value({0, 0, 1, 2}, d), 0.5 * (w[3] + w[4]) / sum, 1e-12);
+}
+
+TEST(ClipLoss, QuarterTurnsChangeNothing) {
+  for (const bool in_powers : {false, true}) {
+    const ClipLoss loss = make_clip_loss(kPublished, make_loss("l1"), in_powers);
+    const Tensor d = pictures(1), r = pictures(2);
+    for (const int64_t turns : {1, 2, 3})
+      EXPECT_NEAR(loss(at::rot90(d, turns, {2, 3}), at::rot90(r, turns, {2, 3}), kFrames).item<double>(),
+                  loss(d, r, kFrames).item<double>(), 1e-13);
+  }
+}
+
 }  // namespace
 }  // namespace ld

@@ -69,6 +69,7 @@ TEST(Configs, PublishedNetworksHaveTheirParameters) {
       {"sample_splat", reducer + unet + generator},
       {"pixel_gather", pixel_reducer + unet + generator},
       {"pixel_splat", pixel_reducer + unet + generator},
+      {"recurrent", 1951935},
       {"optimized", reducer + optimized_unet + optimized_partitioner + optimized_generators}};
   const auto configs = all_configs();
   for (const auto& [name, count] : expected) EXPECT_EQ(numbers_of(configs.at(name).network), count) << name;

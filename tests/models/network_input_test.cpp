@@ -35,7 +35,7 @@ void expect_same_but_for_rounding(const Tensor& found, const Tensor& expected, c
 }
 
 TEST(NetworkInput, AMaskedSampleIsLikeOneThatWasRemoved) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const auto network = small_network(config, torch::kFloat32);
     NetworkInput input = random_input(config, 1, 4, 6, 7, torch::kFloat32);
     input.features = random_normal(input.features.sizes(), 5).to(torch::kFloat32);
@@ -46,7 +46,7 @@ TEST(NetworkInput, AMaskedSampleIsLikeOneThatWasRemoved) {
 }
 
 TEST(NetworkInput, ABadSampleIsLikeOneThatWasRemoved) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const auto network = small_network(config, torch::kFloat32);
     for (const double bad : {kNan, kInfinity, -kInfinity})
       for (const bool in_features : {true, false}) {
@@ -67,7 +67,7 @@ TEST(NetworkInput, ABadSampleIsLikeOneThatWasRemoved) {
 
 // In one pixel only: the same as masking it there.
 TEST(NetworkInput, ABadSampleIsMaskedInItsPixelAlone) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const auto network = small_network(config, torch::kFloat32);
     NetworkInput input = full_input(config, 3, 5, 6), masked = input;
     masked.valid = input.valid.clone();
@@ -102,7 +102,7 @@ TEST(NetworkInput, NegativeRadianceCountsAsZeroAndLargeFeaturesAsTheLargest) {
 }
 
 TEST(NetworkInput, SamplesThatWereNotDrawnAreNotCountedAndMayHoldAnything) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const auto network = small_network(config, torch::kFloat32);
     NetworkInput input = full_input(config, 3, 4, 5);
     input.valid.select(1, 1).zero_();
@@ -142,7 +142,7 @@ TEST(NetworkInput, ExtremesStayFinite) {
   for (const bool compose : {false, true}) {
     std::optional<ComposedOperators> composed;  // whose sums are not bounded by the operators themselves
     if (compose) composed.emplace();
-    for (const NetworkConfig& config : every_config())
+    for (const NetworkConfig& config : every_network())
       for (const double extreme :
            {0.0, 1e-40, 1e-38, 65504.0, 1e30, 3e38, -100.0, kNan, kInfinity, -kInfinity})
         for (const std::string& loss : loss_names()) expect_finite(config, extreme, loss);
@@ -150,7 +150,7 @@ TEST(NetworkInput, ExtremesStayFinite) {
 }
 
 TEST(NetworkInput, BadShapesAreErrors) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const auto network = small_network(config, torch::kFloat32);
     const NetworkInput good = random_input(config, 1, 2, 4, 4, torch::kFloat32);
     NetworkInput bad = good;

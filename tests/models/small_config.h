@@ -1,6 +1,7 @@
 // A network small enough for scalar loops and finite differences. Free of LibTorch.
 #pragma once
 
+#include "models/check_network.h"
 #include "models/network_config.h"
 
 namespace ld {
@@ -16,6 +17,23 @@ inline NetworkConfig small_config() {
   config.unet.bottleneck = {7};
   config.unet.decoder = {{6}, {5, 4}};
   config.unet.context = 3;
+  return config;
+}
+
+/// All networks whose light passes through a filter, so that it stays within that of the samples.
+inline std::vector<std::string> networks_that_filter() {
+  std::vector<std::string> names;
+  for (const std::string& name : network_names())
+    if (network_traits(name).filter != Filter::none) names.push_back(name);
+  return names;
+}
+
+/// A small network that makes the light itself.
+inline NetworkConfig small_recurrent_config() {
+  NetworkConfig config = small_config();
+  config.name = "recurrent";
+  config.features = {"normal", "depth", "roughness", "albedo", "specular", "emission"};
+  config.unet.upsampling = "nearest";
   return config;
 }
 

@@ -9,11 +9,12 @@
 
 namespace ld {
 
-/// small_config() of every registered network, also of the one that is added tomorrow: as [MH20] has it, with
-/// demodulation, rejection and bounded kernels, and with weighted compositing of those that have layers.
+/// small_config() of every registered network that filters, also of the one that is added tomorrow: as [MH20]
+/// has it, with demodulation, rejection and bounded kernels, and with weighted compositing of those that have
+/// layers.
 inline std::vector<NetworkConfig> every_config() {
   std::vector<NetworkConfig> configs;
-  for (const std::string& name : network_names()) {
+  for (const std::string& name : networks_that_filter()) {
     NetworkConfig config = small_config();
     config.name = name;
     configs.push_back(config);
@@ -32,6 +33,20 @@ inline std::vector<NetworkConfig> every_config() {
     }
     configs.push_back(config);
   }
+  return configs;
+}
+
+/// These, and those that make the light themselves.
+inline std::vector<NetworkConfig> every_network() {
+  std::vector<NetworkConfig> configs = every_config();
+  NetworkConfig recurrent = small_recurrent_config();
+  recurrent.features.pop_back();  // emission, which few frames hold
+  configs.push_back(recurrent);
+  NetworkConfig forgetful = small_recurrent_config();
+  forgetful.recurrence = false;
+  forgetful.unet.upsampling = "bilinear";
+  forgetful.features = {"depth", "normal", "albedo"};
+  configs.push_back(forgetful);
   return configs;
 }
 

@@ -74,7 +74,7 @@ TEST(RowSchedule, RowsAreThereAsLongAsTheyAreRead) {
       SCOPED_TRACE(name);
       NetworkConfig config;
       config.name = name;
-      config.demodulation = "albedo";
+      if (network_traits(name).filter != Filter::none) config.demodulation = "albedo";
       config.rejection = network_traits(name).filter == Filter::splat;
       config.unet.upsampling = upsampling;
       if (network_traits(name).has_levels) config.levels = 5;

@@ -39,7 +39,7 @@ bool finite_picture(const Image& image) {
 }
 
 TEST(Graphs, PicturesStayFiniteAtEveryExtreme) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
     for (const float number : extreme_numbers())
       for (const bool in_guides : {true, false}) {
@@ -98,7 +98,7 @@ TEST(Graphs, TheResultLiesWithinTheSamples) {
 }
 
 TEST(Graphs, ABadSampleIsLikeOneThatWasNeverDrawn) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
     for (const float bad : {std::nanf(""), HUGE_VALF, -HUGE_VALF}) {
       Frame frame = frame_with_holes(9, 8, 3), without = frame;

@@ -15,7 +15,7 @@ namespace {
 using torch::Tensor;
 
 TEST(Networks, OutputAndGradientsStayFiniteAtEveryExtremeUnderEveryLoss) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : every_network()) {
     const auto network = small_network(config, torch::kFloat32);
     for (const float number : extreme_numbers())
       for (const bool in_features : {true, false}) {

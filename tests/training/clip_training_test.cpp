@@ -91,7 +91,7 @@ TEST(ClipTraining, FrameByFrameIsUnrolledBitForBit) {
   TrainingSet set = make_training_set(config);
   const std::shared_ptr<Network> network = network_of(config);
   const Batch batch = set.batch(0);
-  const torch::Tensor unrolled = batch.by_clip(denoise_clips(*network, batch.input, batch.clip));
+  const torch::Tensor unrolled = batch.by_clip(compare_clips(*network, batch).predicted);
   ASSERT_EQ(unrolled.sizes(), (std::vector<int64_t>{2, 3, 3, 8, 8}));
   NetworkState state;
   for (int64_t f = 0; f < 3; ++f) {
@@ -109,7 +109,7 @@ TEST(ClipTraining, TruncationCutsGradientsAndNothingElse) {
   // Of the last frame's picture, in the first layer's weights, which all frames use.
   const auto gradient = [&](int64_t truncation, torch::Tensor& pictures) {
     const std::shared_ptr<Network> network = network_of(config);
-    pictures = denoise_clips(*network, batch.input, batch.clip, truncation);
+    pictures = compare_clips(*network, batch, truncation).predicted;
     const torch::Tensor last = batch.by_clip(pictures).select(1, 2);
     return torch::autograd::grad({last.square().sum()}, {network->parameters()[0]})[0];
   };

@@ -49,6 +49,19 @@ TEST(Schedule, Cosine) {
   EXPECT_NEAR(learning_rate(config, 999, 0, 1000), 0, 1e-5);
 }
 
+// Chaitanya et al. 2017, section 5.3.
+TEST(Schedule, InverseRootRampsUpTenfoldAndFallsWithTheRootOfTheEpochs) {
+  OptimizerConfig config = schedule("inverse_root");
+  config.learning_rate = 1e-3;
+  EXPECT_NEAR(learning_rate(config, 0, 0, 1000), 1e-4, 1e-15);
+  EXPECT_NEAR(learning_rate(config, 5, 5, 1000), 1e-3 / std::sqrt(10.0), 1e-15);
+  EXPECT_NEAR(learning_rate(config, 10, 10 - 1e-9, 1000), 1e-3, 1e-12);
+  EXPECT_NEAR(learning_rate(config, 10, 10, 1000), 1e-3, 1e-15);
+  EXPECT_NEAR(learning_rate(config, 40, 40, 1000), 5e-4, 1e-15);
+  EXPECT_NEAR(learning_rate(config, 500, 500, 1000), 1e-3 / std::sqrt(50.0), 1e-15);
+  EXPECT_GT(learning_rate(config, 1, 0.1, 1000), learning_rate(config, 0, 0, 1000)) << "step by step";
+}
+
 TEST(Schedule, OneCycleIsPyTorchs) {
   // torch.optim.lr_scheduler.OneCycleLR(max_lr=1, total_steps=101): it rises over 29.3 steps.
   const OptimizerConfig config = schedule("one_cycle");

@@ -33,16 +33,18 @@ Validation validation_of(const std::vector<fs::path>& folders, int64_t pictures 
 
 /// Frames as "number:history"; each is denoised to its mean plus what is remembered of the one before.
 Validation::Denoise recorder(std::vector<std::string>& seen) {
-  return [&seen](const NetworkInput& input, SequenceState& state) {
-    const auto number = static_cast<int>(input.radiance[0][0][1].min().item<float>());
-    seen.push_back(fmt::format("{}:{}", number, state.history()));
-    EXPECT_EQ(state.memory.has_value(), state.history() > 0);
-    if (state.memory.has_value()) {
-      EXPECT_EQ(std::any_cast<int>(state.memory), number - 1);
-    }
-    state.memory = number;
-    return input.radiance.mean(1);
-  };
+  return
+      [&seen](const NetworkInput& input, const torch::Tensor& reference, SequenceState& state) -> Compared {
+        const auto number = static_cast<int>(input.radiance[0][0][1].min().item<float>());
+        seen.push_back(fmt::format("{}:{}", number, state.history()));
+        EXPECT_EQ(state.memory.has_value(), state.history() > 0);
+        if (state.memory.has_value()) {
+          EXPECT_EQ(std::any_cast<int>(state.memory), number - 1);
+        }
+        state.memory = number;
+        const torch::Tensor mean = input.radiance.mean(1);
+        return {mean, mean, reference};
+      };
 }
 
 std::function<bool()> never() {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "models/initialise.h"
+#include "tests/models/small_config.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/tensors.h"
 #include "tests/training/tiny_training.h"
@@ -118,7 +119,7 @@ TEST_P(FineTuning, OntoFewerFeaturesIsTheirBeingZero) {
   EXPECT_TRUE(torch::allclose(widened->forward(whole), narrow->forward(picked), 1e-5, 1e-6));
 }
 
-INSTANTIATE_TEST_SUITE_P(Networks, FineTuning, ::testing::ValuesIn(network_names()),
+INSTANTIATE_TEST_SUITE_P(Networks, FineTuning, ::testing::ValuesIn(networks_that_filter()),
                          [](const auto& network) { return network.param; });
 
 TEST(FineTuning, WhatDoesNotFitIsNamed) {

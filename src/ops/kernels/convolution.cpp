@@ -46,7 +46,7 @@ HWY_INLINE void convolve_block(const ConvolutionRow& t, int64_t o, int64_t x) {
 #pragma GCC unroll 3
     for (int v = 0; v < kNv; ++v) {
       V result = sum[r][v];
-      if (t.activated) result = leaky_relu(d, result);
+      if (t.slope != 1) result = leaky_relu(d, result, t.slope);
       hn::Store(result, d, t.out + (o + r) * t.out_pitch + x + v * lanes());
     }
 }

@@ -41,7 +41,7 @@ struct ConvolutionRow {
   float* out = nullptr;
   int64_t out_pitch = 0;
   int64_t begin = 0, end = 0, width = 0;
-  bool activated = false;
+  float slope = 1;  // below 0, of the leaky ReLU behind it; 1: none
 };
 void convolve(const ConvolutionRow& row);
 

@@ -232,7 +232,8 @@ HWY_INLINE void transform_sums(const QuantisedRows& rows, int64_t o, int64_t til
       if (rows.out[size_t(y)] == nullptr) continue;
       V first = hn::MulAdd(hn::ConvertTo(d, result[y].first), scale, bias);
       V second = hn::MulAdd(hn::ConvertTo(d, result[y].second), scale, bias);
-      if (rows.activated) first = leaky_relu(d, first), second = leaky_relu(d, second);
+      if (rows.slope != 1)
+        first = leaky_relu(d, first, rows.slope), second = leaky_relu(d, second, rows.slope);
       const int64_t x = rows.begin + 2 * t;
       store_quantised(d, first, second, rows.out[size_t(y)] + o * rows.out_pitch + x, rows.end - x);
     }

@@ -26,8 +26,8 @@ HWY_INLINE int64_t lanes() {
   return int64_t(hn::Lanes(D()));
 }
 
-HWY_INLINE V leaky_relu(D d, V x) {
-  return hn::Max(x, hn::Mul(x, hn::Set(d, float(kLeakySlope))));
+HWY_INLINE V leaky_relu(D d, V x, float slope = float(kLeakySlope)) {
+  return hn::Max(x, hn::Mul(x, hn::Set(d, slope)));
 }
 
 // Accumulators of a product: outputs x vectors of pixels, as many as leave registers for the operands. 32

@@ -89,7 +89,8 @@ void transform_outputs(const WinogradRows& rows, int64_t tiles, const float* pro
       for (int y = 0; y < 2; ++y) {
         if (rows.out[size_t(y)] == nullptr) continue;
         Pair pixels = {hn::Add(result[y].first, bias), hn::Add(result[y].second, bias)};
-        if (rows.activated) pixels = {leaky_relu(d, pixels.first), leaky_relu(d, pixels.second)};
+        if (rows.slope != 1)
+          pixels = {leaky_relu(d, pixels.first, rows.slope), leaky_relu(d, pixels.second, rows.slope)};
         const int64_t x = rows.begin + 2 * t;
         store_pixels(d, pixels, rows.out[size_t(y)] + o * rows.out_pitch + x, rows.end - x);
       }

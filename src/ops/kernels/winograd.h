@@ -54,7 +54,7 @@ struct TileRows {
   std::array<float*, 2> out = {};
   int64_t out_pitch = 0;
   int64_t begin = 0, end = 0, width = 0;
-  bool activated = false;
+  float slope = 1;  // below 0, of the leaky ReLU behind it; 1: none
 
   /// Zeros again where the next convolution takes what it reads for the border.
   void clear_tail() const {

@@ -61,12 +61,8 @@ double Optimizer::accumulate(TrainingSet& set, int64_t step, const ClipLoss& los
   const double share = set.batch_share() / static_cast<double>(config_.accumulate);
   double sum = 0;
   for (int64_t i = 0; i < config_.accumulate; ++i) {
-    Batch batch = set.batch(step * config_.accumulate + i);
-    const torch::Tensor denoised =
-        denoise_clips(*network_, std::move(batch.input), batch.clip, config_.truncation);
-    const torch::Tensor part = loss(denoised, batch.reference, batch.clip) * share;
-    part.backward();
-    sum += part.item<double>();
+    sum += add_gradient(*network_, set.batch(step * config_.accumulate + i), loss, share,
+                        {config_.truncation, config_.recompute});
   }
   return sum;
 }

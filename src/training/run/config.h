@@ -45,6 +45,9 @@ struct DataConfig {
   double drop = 0;       // share of crops that lack a feature of network.optional, for each of them
   double exposure = 0;   // stops: radiance times 2^u, u uniform in [-exposure, exposure]
   bool colours = false;  // give crops red, green and blue in any of their six orders
+  double tint = 0;       // radiance times a factor for each channel, uniform in [0, tint]; 0: none
+  double stop = 0;       // share of clips that show one frame, with other samples each time
+  double freeze = 0;     // share of clips that stay at one of their frames, likewise
   std::string cache;     // folder of cache files; "": .cache in each data set; none: no files
   int64_t cache_megabytes = 4096;  // memory for frames where no cache file can be written
   int64_t workers = 2;             // threads that prepare batches; 0: each when it is needed
@@ -69,6 +72,9 @@ struct DataConfig {
     v.field("drop", drop, Range{0, 1});
     v.field("exposure", exposure, Range{0, 10});
     v.field("colours", colours);
+    v.field("tint", tint, Range{0, 100});
+    v.field("stop", stop, Range{0, 1});
+    v.field("freeze", freeze, Range{0, 1});
     v.field("cache", cache);
     v.field("cache_megabytes", cache_megabytes, at_least(0));
     v.field("workers", workers, Range{0, 64});
@@ -100,11 +106,15 @@ struct OptimizerConfig {
   OneCycleConfig one_cycle;
   int64_t step_epochs = 100;  // of schedule "step": after so many epochs the rate falls
   double step_factor = 0.5;   // of schedule "step": the rate times this
+  double ramp_epochs = 10;    // of schedule "inverse_root": epochs over which the rate rises
+  double ramp_start = 0.1;    // of schedule "inverse_root": the first rate, as a fraction of the peak's
   int64_t warmup_steps = 0;   // the rate rises linearly over so many steps
   double clip_norm = 0;       // largest norm of all gradients together; 0: no limit
   double clip_value = 0;      // largest absolute gradient; 0: no limit
   int64_t accumulate = 1;     // batches a step: their gradients are averaged, in the memory that one takes
   int64_t truncation = 0;  // of networks that remember: frames that a gradient goes back through; 0: the clip
+  bool recompute = false;  // of networks that remember: run frames again when their gradients are made, so
+                           // that the activations of one frame exist at a time (a third more time)
   double ema = 0;          // decay of the averaged weights (training/optimizer/weight_average.h); 0: none
 
   template <class Visitor>
@@ -115,15 +125,18 @@ struct OptimizerConfig {
     v.field("beta1", beta1, Range{0, 0.999999});
     v.field("beta2", beta2, Range{0, 0.999999});
     v.field("epsilon", epsilon, Range{1e-30, 1});  // at 0, Adam divides 0 by 0
-    v.field("schedule", schedule, {"constant", "step", "cosine", "one_cycle"});
+    v.field("schedule", schedule, {"constant", "step", "cosine", "one_cycle", "inverse_root"});
     v.section("one_cycle", one_cycle);
     v.field("step_epochs", step_epochs, at_least(1));
     v.field("step_factor", step_factor, Range{0, 1});
+    v.field("ramp_epochs", ramp_epochs, Range{1e-6, 1e6});
+    v.field("ramp_start", ramp_start, Range{1e-9, 1});
     v.field("warmup_steps", warmup_steps, at_least(0));
     v.field("clip_norm", clip_norm, at_least(0));
     v.field("clip_value", clip_value, at_least(0));
     v.field("accumulate", accumulate, Range{1, 4096});
     v.field("truncation", truncation, Range{0, 1024});
+    v.field("recompute", recompute);
     v.field("ema", ema, Range{0, 0.999999});
   }
 };

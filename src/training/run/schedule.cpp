@@ -23,12 +23,15 @@ double one_cycle(const OneCycleConfig& config, double highest, double step, doub
   return along_cosine(highest, last, (step - top) / std::max(total_steps - 1 - top, 1.0));
 }
 
-double scheduled_rate(const OptimizerConfig& config, int64_t step, int64_t epoch, int64_t total_steps) {
+double scheduled_rate(const OptimizerConfig& config, int64_t step, double epoch, int64_t total_steps) {
   const double rate = config.learning_rate;
   const auto now = static_cast<double>(step), end = static_cast<double>(total_steps);
   if (config.schedule == "step") {
-    const int64_t falls = epoch / config.step_epochs;
-    return rate * std::pow(config.step_factor, static_cast<double>(falls));
+    return rate * std::pow(config.step_factor, std::floor(epoch / static_cast<double>(config.step_epochs)));
+  }
+  if (config.schedule == "inverse_root") {
+    if (epoch < config.ramp_epochs) return rate * std::pow(config.ramp_start, 1 - epoch / config.ramp_epochs);
+    return rate * std::sqrt(config.ramp_epochs / epoch);
   }
   if (config.schedule == "cosine") return along_cosine(rate, 0, now / end);
   if (config.schedule == "one_cycle") return one_cycle(config.one_cycle, rate, now, end);
@@ -37,7 +40,7 @@ double scheduled_rate(const OptimizerConfig& config, int64_t step, int64_t epoch
 
 }  // namespace
 
-double learning_rate(const OptimizerConfig& config, int64_t step, int64_t epoch, int64_t total_steps) {
+double learning_rate(const OptimizerConfig& config, int64_t step, double epoch, int64_t total_steps) {
   const double rate = scheduled_rate(config, step, epoch, total_steps);
   if (step >= config.warmup_steps) return rate;
   return rate * static_cast<double>(step + 1) / static_cast<double>(config.warmup_steps);

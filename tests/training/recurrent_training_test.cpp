@@ -1,0 +1,233 @@
+// Training of the recurrent autoencoder: clips unrolled and frame by frame, back-propagation that recomputes,
+// resuming, and that recurrence is learnt.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "losses/loss.h"
+#include "models/initialise.h"
+#include "tests/models/small_network.h"
+#include "tests/support/expect_error.h"
+#include "tests/training/tiny_training.h"
+#include "training/optimizer/clip_pass.h"
+
+namespace ld {
+namespace {
+
+using torch::Tensor;
+
+const ClipLossConfig kRecurrentLoss = {0.8, 0.1, 0.1, 2};
+
+/// Clips of still scenes under smooth light: a texture, and light in smooth patches of which every frame has
+/// one sample of exponential noise.
+Batch still_clips(uint32_t seed, int64_t clips, int64_t clip, int64_t side,
+                  torch::ScalarType type = torch::kFloat32) {
+  const NetworkConfig config = small_recurrent_config();
+  const auto of_frames = [&](const Tensor& of_clips) {
+    std::vector<int64_t> sizes = of_clips.sizes().vec();
+    sizes.insert(sizes.begin() + 1, clip);
+    return of_clips.unsqueeze(1).expand(sizes).flatten(0, 1);
+  };
+  const Tensor coarse = random_uniform({clips, 3, 4, 4}, seed, 0.1, 2);
+  const Tensor light = at::upsample_bilinear2d(coarse, {side, side}, /*align_corners=*/true);
+  const Tensor albedo = random_uniform({clips, 3, side, side}, seed + 1, 0.2, 0.9);
+  const Tensor noise = -random_uniform({clips * clip, 1, side, side}, seed + 2, 1e-6, 1).log();
+  Batch batch;
+  batch.clip = clip;
+  batch.reference = of_frames(light * albedo).to(type).contiguous();
+  batch.input.radiance = (of_frames(light * albedo) * noise).unsqueeze(1).to(type).contiguous();
+  batch.input.valid = torch::ones({clips * clip, 1, 1, side, side}, type);
+  batch.input.features =
+      torch::zeros({clips * clip, 1, channel_count(config.features), side, side}, torch::kFloat64);
+  const auto set = [&](const char* name, const Tensor& values) {
+    batch.input.features.narrow(2, first_channel(config.features, name), values.size(1)) =
+        values.unsqueeze(1);
+  };
+  set("albedo", of_frames(albedo));
+  set("depth", torch::full({clips * clip, 1, side, side}, 0.5, torch::kFloat64));
+  batch.input.features = batch.input.features.to(type);
+  return batch;
+}
+
+ClipLoss recurrent_loss() {
+  return make_clip_loss(kRecurrentLoss, make_loss("l1"), /*in_powers=*/true);
+}
+
+TEST(RecurrentTraining, FrameByFrameIsUnrolledBitForBit) {
+  const auto network = small_network(small_recurrent_config(), torch::kFloat32);
+  const Batch batch = still_clips(1, 2, 5, 17);
+  const Compared unrolled = compare_clips(*network, batch);
+  NetworkState state;
+  for (int64_t f = 0; f < batch.clip; ++f) {
+    const NetworkInput frames = frame_of_clips(batch.input, batch.clip, f);
+    const Compared compared = network->compare(frames, batch.by_clip(batch.reference).select(1, f), state);
+    EXPECT_TRUE(compared.predicted.equal(batch.by_clip(unrolled.predicted).select(1, f))) << f;
+    EXPECT_TRUE(compared.picture.equal(batch.by_clip(unrolled.picture).select(1, f))) << f;
+    EXPECT_TRUE(compared.target.equal(batch.by_clip(unrolled.target).select(1, f))) << f;
+  }
+}
+
+TEST(RecurrentTraining, RecomputingFramesGivesTheSameGradient) {
+  NetworkConfig history = small_config();
+  history.name = "layer_history";
+  history.features = small_recurrent_config().features;
+  history.demodulation = "albedo";
+  for (const NetworkConfig& config : {small_recurrent_config(), history})
+    for (const int64_t truncation : {0, 2, 1}) {
+      const auto network = small_network(config, torch::kFloat64);
+      const Batch batch = still_clips(3, 2, 5, 16, torch::kFloat64);
+      const ClipLoss loss = recurrent_loss();
+      const auto gradients = [&](bool recompute, double& value) {
+        forget_gradients(*network);
+        value = add_gradient(*network, batch, loss, 0.5, {truncation, recompute});
+        std::vector<Tensor> all;
+        for (const Tensor& parameter : network->parameters()) all.push_back(parameter.grad());
+        return all;
+      };
+      double kept = 0, recomputed = 0;
+      const std::vector<Tensor> expected = gradients(false, kept), found = gradients(true, recomputed);
+      EXPECT_EQ(recomputed, kept) << config.name;
+      for (size_t i = 0; i < expected.size(); ++i) {
+        ASSERT_EQ(found[i].defined(), expected[i].defined()) << config.name;
+        if (!found[i].defined()) continue;
+        const double largest = expected[i].abs().max().item<double>();
+        EXPECT_LE((found[i] - expected[i]).abs().max().item<double>(), 1e-11 * (largest + 1e-3))
+            << config.name << " truncation " << truncation << " parameter " << i;
+      }
+    }
+}
+
+TEST(RecurrentTraining, GradientsOfTheWholeLossAgreeWithFiniteDifferences) {
+  const auto network = small_network(small_recurrent_config(), torch::kFloat64);
+  const Batch batch = still_clips(5, 1, 3, 16, torch::kFloat64);
+  const ClipLoss loss = recurrent_loss();
+  const auto value = [&] {
+    const torch::NoGradGuard no_graph;
+    const Compared compared = compare_clips(*network, batch);
+    return loss(compared.predicted, compared.target, batch.clip).item<double>();
+  };
+  forget_gradients(*network);
+  add_gradient(*network, batch, loss, 1, {});
+  for (const auto& parameter : network->named_parameters()) {
+    double* x = parameter.value().data_ptr<double>();
+    const double before = *x, h = 1e-6;
+    *x = before + h;
+    const double above = value();
+    *x = before - h;
+    const double below = value();
+    *x = before;
+    // Absolute values bend where a difference is 0; of the few of 768 that may be so near, little is left.
+    EXPECT_NEAR(parameter.value().grad().flatten()[0].item<double>(), (above - below) / (2 * h), 1e-5)
+        << parameter.key();
+  }
+}
+
+TrainConfig recurrent_run(const std::filesystem::path& data) {
+  write_tiny_dataset(data, 12);
+  Manifest manifest = read_manifest(data);
+  for (ManifestFrame& frame : manifest.frames)
+    if (frame.split == "train") {
+      frame.sequence = frame.index / 6;
+      frame.position = frame.index % 6;
+    }
+  add_to_manifest(data, manifest);
+  TrainConfig config = tiny_config(data, 4);
+  config.data.crop = 16;
+  config.data.clip = 3;
+  config.data.samples = {1, 1};
+  config.data.reversal = true;
+  config.data.tint = 2;
+  config.data.stop = 0.3;
+  config.data.freeze = 0.3;
+  config.network = small_recurrent_config();
+  config.network.features = {"normal", "depth", "roughness", "albedo", "specular"};
+  config.loss = "l1";
+  config.clip_loss = kRecurrentLoss;
+  config.optimizer.schedule = "inverse_root";
+  config.optimizer.ramp_epochs = 3;
+  return config;
+}
+
+TEST(RecurrentTraining, ContinuesBitForBit) {
+  const TemporaryFolder folder;
+  TrainConfig config = recurrent_run(folder / "data");
+  for (const bool recompute : {false, true}) {
+    const std::string whole = recompute ? "whole" : "whole_kept", parts = recompute ? "parts" : "parts_kept";
+    config.optimizer.recompute = recompute;
+    config.run.max_steps = 12;
+    Trainer(config, folder / whole).train();
+    for (const int64_t steps : {3, 7, 12}) {
+      config.run.max_steps = steps;
+      Trainer(config, folder / parts).train();
+    }
+    EXPECT_TRUE(last_checkpoint(folder / whole) == last_checkpoint(folder / parts));
+  }
+}
+
+TEST(RecurrentTraining, ValidatesInTheDomainOfItsLoss) {
+  const TemporaryFolder folder;
+  const TrainConfig config = recurrent_run(folder / "data");
+  const auto network = small_network(config.network, torch::kFloat32);
+  std::vector<std::unique_ptr<FrameStore>> stores;
+  stores.push_back(std::make_unique<FrameStore>(folder / "data", "validation", config.network.features,
+                                                CacheOptions{"none", 0}));
+  Validation validation(std::move(stores), 1);
+  ProcessGroup alone{ProcessGroupOptions{}};
+  const auto result = validation.run(*network, make_loss("l1"), alone, [] { return false; });
+  const Batch whole = validation.middle_of_largest(config.network.features, 16);
+  const torch::NoGradGuard no_graph;
+  NetworkState state;
+  const Compared compared = network->compare(whole.input, whole.reference, state);
+  EXPECT_NEAR(result->scores.at("validation_loss"),
+              (compared.predicted - compared.target).abs().mean().item<double>(), 1e-6);
+}
+
+/// Mean |predicted - target| of each frame over clips that no training has seen.
+std::vector<double> errors_by_frame(Network& network) {
+  const torch::NoGradGuard no_graph;
+  const Batch batch = still_clips(90001, 12, 7, 32);
+  const Compared compared = compare_clips(network, batch);
+  const Tensor errors = batch.by_clip((compared.predicted - compared.target).abs()).mean({0, 2, 3, 4});
+  std::vector<double> by_frame;
+  for (int64_t f = 0; f < batch.clip; ++f) by_frame.push_back(errors[f].item<double>());
+  return by_frame;
+}
+
+// What the frames before have shown is used: noise of a still scene averages out over them.
+TEST(RecurrentTraining, LearnsToUseTheFramesBefore) {
+  NetworkConfig config = small_recurrent_config();
+  config.unet.encoder = {{8, 8}, {12}};
+  config.unet.bottleneck = {12};
+  config.unet.decoder = {{12}, {16, 8}};
+  config.initialisation = "he";
+  const std::shared_ptr<Network> network = make_network(config);
+  initialise(*network, 1);
+  torch::optim::Adam adam(network->parameters(), torch::optim::AdamOptions(3e-3).betas({0.9, 0.99}));
+  const ClipLoss loss = recurrent_loss();
+  constexpr uint32_t kSteps = 250;
+  for (uint32_t step = 0; step < kSteps; ++step) {
+    for (auto& group : adam.param_groups())
+      static_cast<torch::optim::AdamOptions&>(group.options())
+          .lr(3e-3 * (1 - double(step) / double(kSteps)) + 1e-4);
+    add_gradient(*network, still_clips(1000 + 3 * step, 2, 7, 32), loss, 1, {});
+    adam.step();
+    forget_gradients(*network);
+  }
+  const std::vector<double> errors = errors_by_frame(*network);
+  config.recurrence = false;
+  const std::shared_ptr<Network> forgetful = make_network(config);
+  {
+    const torch::NoGradGuard no_graph;
+    auto named = forgetful->named_parameters();
+    for (const auto& parameter : network->named_parameters()) named[parameter.key()].copy_(parameter.value());
+  }
+  const std::vector<double> without = errors_by_frame(*forgetful);
+  RecordProperty("first", std::to_string(errors[0]));
+  RecordProperty("last", std::to_string(errors[6]));
+  EXPECT_LT(errors[6], 0.8 * errors[0]);
+  EXPECT_LT(errors[6], 0.8 * without[6]);
+  EXPECT_NEAR(without[6], without[0], 0.1 * without[0]) << "without a state all frames are alike";
+}
+
+}  // namespace
+}  // namespace ld
