@@ -32,10 +32,12 @@ def write(card: pathlib.Path, name: str, data: str, scores: pathlib.Path, spent:
     frames = json.loads(pathlib.Path(data, "manifest.json").read_text(encoding="utf-8"))["frames"]
     train = sum(frame["split"] == "train" for frame in frames)
     # Their first cycle begins so (scripts/train_release.sh), and its hours are not among theirs.
-    begun = f", begun with the weights of `common_{name.removeprefix('samples_')}`" if name.startswith("samples_") else ""
+    family, size = name.split("_") if "_" in name else (name, "")
+    begun = f", begun with the weights of `common_{size}`" if family in ("samples", "history") else ""
+    recipe = "sequence_small" if family == "history" else "release"
     lines = [
         f"`configs/{name}.yaml`{begun}, trained by `scripts/train_release.sh` for {spent:.1f} hours in all (by the clock, on one core that other work shared), at last on {train} frames of",
-        f"`data/recipes/release.yaml`; one seed. On the {document['frame_count']} validation frames of that recipe, which no step saw but which chose these weights,",
+        f"`data/recipes/{recipe}.yaml`; one seed. On the {document['frame_count']} validation frames of that recipe, which no step saw but which chose these weights,",
         f"at {document['samples']} samples a pixel (`ld_eval --split validation --samples {document['samples']}`):",
         "",
         "| | " + " | ".join(title for title, _ in METRICS.values()) + " |",

@@ -3,12 +3,13 @@
 #
 #   scripts/train_release.sh DATA [MINUTES]
 #
-# DATA is a data set (data/recipes/release.yaml, rendered so far as there was time for), MINUTES the length of one cycle (default 60).
+# DATA is a data set (data/recipes/release.yaml, rendered so far as there was time for; of sequences for history_SIZE:
+# data/recipes/sequence_small.yaml), MINUTES the length of one cycle (default 60).
 # Each network (configs/NAME.yaml) in turn is trained for one cycle of the learning rate, from where the last cycle ended: from
-# out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone; the first cycle of samples_SIZE from the released
-# common_SIZE, whose features it has and others beside, which begin without effect; else from random weights. A cycle that was
-# interrupted goes on bit for bit when the script is started again. After a cycle whose validation beats the released weights' (where
-# there are none yet, samples_SIZE those of common_SIZE) on the same frames, those are replaced, with their card. Environment:
+# out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone; the first cycle of samples_SIZE and history_SIZE from
+# the released common_SIZE, whose features they have and others beside, which begin without effect; else from random weights. A cycle
+# that was interrupted goes on bit for bit when the script is started again. After a cycle whose validation beats the released weights' (where
+# there are none yet, those of common_SIZE) on the same frames, those are replaced, with their card. Environment:
 #   NAMES   networks, in this order (default: common_fast common_fine means samples_fast samples_fine)
 #   CYCLES  how many cycles, over all networks (default: for ever)
 #   BIN     default build/bin
@@ -31,8 +32,10 @@ cycle_of() {
   echo "$n"
 }
 
-score() { # the SMAPE of a model on the validation split, at 8 samples as trainings validate
-  "$bin/ld_eval" --data "$data" --split validation --samples 8 --model "model=$1" --threads 1 --out "$out/score" --json "$out/score.json" > "$out/score.log"
+score() { # the SMAPE of a model on the validation split, as trainings validate: at 8 samples, of sequences at 2
+  local how=(--samples 8)
+  if [[ $name = history_* ]]; then how=(--samples 2 --sequences); fi
+  "$bin/ld_eval" --data "$data" --split validation "${how[@]}" --model "model=$1" --threads 1 --out "$out/score" --json "$out/score.json" > "$out/score.log"
   python3 -c 'import json, sys
 print(json.load(open(sys.argv[1]))["methods"]["model"]["mean"]["smape"])' "$out/score.json"
 }
@@ -46,8 +49,8 @@ train_cycle() {
     begin=("init=$out/$name/cycle_$((n - 1))")
   elif [ -e "$released" ]; then
     begin=("init=$released")
-  elif [[ $name = samples_* ]] && [ -e "models/pretrained/common_${name#samples_}.safetensors" ]; then
-    begin=("init=models/pretrained/common_${name#samples_}.safetensors")
+  elif [ -e "models/pretrained/common_${name#*_}.safetensors" ]; then
+    begin=("init=models/pretrained/common_${name#*_}.safetensors")
     # At the full rate it forgets before it learns.
     rate=(optimizer.learning_rate=0.0008)
   fi
@@ -59,8 +62,8 @@ train_cycle() {
   local new old=inf card=${released%.safetensors}.md hours
   hours=$(python3 scripts/release_card.py hours "$card" "$run")
   # Weights that read more and know less than the common ones help nobody.
-  local rival=$released common=models/pretrained/common_${name#samples_}.safetensors
-  if [ ! -e "$rival" ] && [[ $name = samples_* ]]; then rival=$common; fi
+  local rival=$released
+  if [ ! -e "$rival" ]; then rival=models/pretrained/common_${name#*_}.safetensors; fi
   if [ -e "$rival" ]; then old=$(score "$rival"); fi
   # What is scored is what is released: weights in float16, whatever their rounding does.
   local candidate=$out/$name/$name.safetensors
