@@ -114,15 +114,15 @@ HWY_NOINLINE void level_row(const SvgfLevelRow& row) {
       for (int s = 0; s < kSignals; ++s) {
         const float* in = tap.in + pitch * 4 * s + x;
         const Colour c_q = load_colour(d, in, pitch);
-        const V more = hn::Sub(luminance(d, c_q), y_p[s]), v_q = hn::LoadU(d, in + 3 * pitch);
+        const V more = hn::Sub(luminance(d, c_q), y_p[s]);
         const V hw = hn::Mul(h, power_of_two(d, hn::MulAdd(hn::Abs(more), precision[s], z)));
         total[s] = hn::Add(total[s], hw);
         add_weighted(sum[s], hw, c_q);
         if (kMoments) {
           sum_y[s] = hn::MulAdd(hw, more, sum_y[s]);
-          sum_v[s] = hn::MulAdd(hw, hn::MulAdd(more, more, v_q), sum_v[s]);
+          sum_v[s] = hn::MulAdd(hw, hn::MulAdd(more, more, hn::LoadU(d, in + 3 * pitch)), sum_v[s]);
         } else {
-          sum_v[s] = hn::MulAdd(hn::Mul(hw, hw), v_q, sum_v[s]);
+          sum_v[s] = hn::MulAdd(hn::Mul(hw, hw), hn::LoadU(d, in + 3 * pitch), sum_v[s]);
         }
       }
     });
