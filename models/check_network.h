@@ -22,6 +22,9 @@ struct NetworkTraits {
   bool has_levels;  // works at several resolutions, with a kernel generator for each
   Filter filter;
   bool remembers = false;  // keeps a state from frame to frame of a sequence (models/network.h)
+  /// Sides of the picture over those of the light that it reads. Above 1 it has two stages, the first of
+  /// which predicts colours: what it makes is no weighted mean of samples.
+  int64_t upscaling = 1;
 };
 
 /// Throws UsageError for a name that is not in models/networks.def.

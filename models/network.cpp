@@ -1,5 +1,6 @@
 #include "models/network.h"
 
+#include "core/error.h"
 #include "models/demodulation.h"
 #include "models/exposure.h"
 #include "models/pixel_mean.h"
@@ -33,6 +34,16 @@ torch::Tensor Network::forward(NetworkInput input, NetworkState& state) {
     output.register_hook([bound](const torch::Tensor& gradient) { return gradient.clamp(-bound, bound); });
   }
   return output;
+}
+
+Stages Network::stages(NetworkInput input, SecondReads reads, const torch::Tensor& given) {
+  input = admit(std::move(input));
+  return make_stages(input, reads, given.defined() ? given.to(device()) : given);
+}
+
+Stages Network::make_stages(const NetworkInput& /*input*/, SecondReads /*reads*/,
+                            const torch::Tensor& /*given*/) {
+  fail("network '{}' has one stage; 'espcn_kpcn' has two", config_.name);
 }
 
 Kernels Network::kernels(NetworkInput input) {

@@ -28,6 +28,16 @@ struct Kernels {
 /// as empty.
 using NetworkState = std::map<std::string, torch::Tensor>;
 
+/// What a network in two stages makes, both linear radiance [B, 3, H, W].
+struct Stages {
+  torch::Tensor first;    // of the first stage, whose light has been brought to full resolution
+  torch::Tensor picture;  // of the second one, denoised
+};
+
+/// What the second stage reads: what the first has made, the same without a gradient through it, or a picture
+/// that somebody gives.
+enum class SecondReads { first, first_stopped, given };
+
 /// A network of [MH20]: linear radiance samples and features in, the linear denoised image [B, 3, H, W] out.
 class Network : public torch::nn::Module {
  public:
@@ -50,6 +60,10 @@ class Network : public torch::nn::Module {
   /// leaves; it is at the device of the weights. Differentiable in the state, too, so that a loss over a clip
   /// goes back through its frames. Throws Error for a state of another network, batch or size.
   torch::Tensor forward(NetworkInput input, NetworkState& state);
+
+  /// Both stages of a network that has two (NetworkTraits::upscaling): `picture` is forward() where the
+  /// second reads the first. `given` is a linear picture [B, 3, H, W]. Throws Error for other networks.
+  Stages stages(NetworkInput input, SecondReads reads, const torch::Tensor& given = {});
 
   /// Whether it keeps anything.
   bool remembers() const { return network_traits(config_.name).remembers; }
@@ -77,6 +91,7 @@ class Network : public torch::nn::Module {
   /// Of an admitted input. Networks of single frames leave the state alone.
   virtual torch::Tensor denoise(const NetworkInput& input, NetworkState& state) = 0;
   virtual Kernels make_kernels(const NetworkInput& input) = 0;
+  virtual Stages make_stages(const NetworkInput& input, SecondReads reads, const torch::Tensor& given);
 
   NetworkConfig config_;
   InputFaults faults_;

@@ -105,6 +105,9 @@ struct OptimizerConfig {
   double clip_value = 0;      // largest absolute gradient; 0: no limit
   int64_t accumulate = 1;     // batches a step: their gradients are averaged, in the memory that one takes
   int64_t truncation = 0;  // of networks that remember: frames that a gradient goes back through; 0: the clip
+  /// Of networks in two stages: which of them learns from what (training/optimizer/stage_scheme.h).
+  std::string scheme = "end_to_end";
+  double head_weight = 1;  // of scheme "two_heads": of the loss of the first stage
   double ema = 0;          // decay of the averaged weights (training/optimizer/weight_average.h); 0: none
 
   template <class Visitor>
@@ -124,6 +127,8 @@ struct OptimizerConfig {
     v.field("clip_value", clip_value, at_least(0));
     v.field("accumulate", accumulate, Range{1, 4096});
     v.field("truncation", truncation, Range{0, 1024});
+    v.field("scheme", scheme, {"end_to_end", "two_heads", "concurrent", "separate"});
+    v.field("head_weight", head_weight, Range{0, 1e6});
     v.field("ema", ema, Range{0, 0.999999});
   }
 };
