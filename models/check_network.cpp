@@ -39,6 +39,36 @@ void check_choice(const char* key, const std::string& value, const std::vector<s
              nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(choices, ", "));
 }
 
+/// Of networks in two stages; of others, that nobody asks for them.
+void check_super_resolution(const NetworkConfig& config) {
+  const SuperResolutionConfig& stages = config.super_resolution;
+  const auto reads = [&](const char* feature) {
+    return config.auto_features() || first_channel(config.features, feature) >= 0;
+  };
+  if (network_traits(config.name).upscaling == 1) {
+    if (!config.auto_features() && reads("half_radiance"))
+      fail_usage(
+          "network.features names 'half_radiance', but network '{}' reads light at full resolution; leave it "
+          "out or use 'espcn_kpcn'",
+          config.name);
+    return;
+  }
+  if (!config.auto_features() && reads("radiance") == reads("half_radiance"))
+    fail_usage(
+        "network.features: network '{}' reads light at half resolution, either 'half_radiance', which the "
+        "frames then hold, or the mean of 2x2 pixels of 'radiance'; name one of the two",
+        config.name);
+  if (stages.guides() && !config.auto_features() && channel_count(config.features) == 3)
+    fail_usage(
+        "network.features has light alone, but network.super_resolution.reads is '{}'; add guides (normal, "
+        "depth, albedo, roughness) or say 'light'",
+        stages.reads);
+  if (config.exposure_normalisation)
+    fail_usage(
+        "network.exposure_normalisation is true, but network '{}' predicts colours as they are; leave it out",
+        config.name);
+}
+
 /// Keys that somebody set to choose between networks, on a network that cannot follow.
 void check_use(const NetworkConfig& config) {
   const NetworkTraits& network = network_traits(config.name);
@@ -86,6 +116,7 @@ void check_use(const NetworkConfig& config) {
         "network.means is true, but network '{}' works on samples; use 'pixel_gather' or 'pixel_splat', or "
         "leave it out",
         config.name);
+  check_super_resolution(config);
   if (network.has_levels && (config.levels < 1 || config.levels > config.unet.resolutions()))
     fail_usage("network.levels is {}, expected 1 to {}: the U-net has so many resolutions", config.levels,
                config.unet.resolutions());
@@ -138,6 +169,10 @@ void check_network(const NetworkConfig& config) {
   check_widths("sample_partitioner", config.sample_partitioner, true);
   check_widths("kernel_generator", config.kernel_generator, true);
   check_widths("history", config.history, true);
+  check_choice("super_resolution.activation", config.super_resolution.activation, {"tanh", "relu"});
+  check_choice("super_resolution.reads", config.super_resolution.reads, {"light", "guides", "both"});
+  check_widths("super_resolution.convolutions", config.super_resolution.convolutions, false);
+  check_widths("super_resolution.denoiser", {config.super_resolution.denoiser}, false);
   const UNetConfig& unet = config.unet;
   if (unet.encoder.empty()) fail_usage("network.unet.encoder is empty, expected at least one block");
   if (unet.encoder.size() > kMostResolutions)

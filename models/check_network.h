@@ -24,6 +24,9 @@ struct NetworkTraits {
   Filter filter;
   bool remembers = false;  // keeps a state from frame to frame of a sequence (models/network.h)
   bool in_powers = false;  // predicts fifth roots of light, in which its loss is taken (Network::compare())
+  /// Sides of the picture over those of the light that it reads. Above 1 it has two stages, the first of
+  /// which predicts colours: what it makes is no weighted mean of samples.
+  int64_t upscaling = 1;
 };
 
 /// Throws UsageError for a name that is not in models/networks.def.

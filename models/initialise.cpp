@@ -8,8 +8,10 @@
 #include "models/demodulation.h"
 #include "models/history.h"
 #include "models/kernel_generator.h"
+#include "models/light_kpcn.h"
 #include "models/network_numbers.h"
 #include "models/rejection.h"
+#include "models/super_resolution.h"
 #include "models/unet.h"
 #include "ops/kernels/constants.h"
 
@@ -20,6 +22,7 @@ using torch::Tensor;
 
 /// The weights that no activation follows.
 std::set<std::string> output_weights(Network& network) {
+  const NetworkConfig& config = network.config();
   std::set<std::string> names;
   for (const auto& entry : network.named_modules("", /*include_self=*/false)) {
     if (const auto* layers = dynamic_cast<const FullyConnected*>(entry.value().get());
@@ -27,6 +30,11 @@ std::set<std::string> output_weights(Network& network) {
       names.insert(entry.key() + "." + std::to_string(layers->weights().weights.size() - 1) + ".weight");
     if (dynamic_cast<const UNet*>(entry.value().get()) != nullptr)
       names.insert(entry.key() + ".context.weight");
+    if (dynamic_cast<const SuperResolution*>(entry.value().get()) != nullptr)
+      names.insert(entry.key() + "." + std::to_string(config.super_resolution.convolutions.size()) +
+                   ".weight");
+    if (dynamic_cast<const LightKpcn*>(entry.value().get()) != nullptr)
+      names.insert(entry.key() + ".2.weight");
   }
   return names;
 }
@@ -49,22 +57,29 @@ void fill_uniform(Tensor& weight, const std::string& name, float bound, uint64_t
 
 }  // namespace
 
+std::vector<double> gaussian_logits(int64_t kernel, double sigma, double bound) {
+  // Of a bounded logit: from half the bound at the centre to where its slope is 1 % of that at 0.
+  const double top = bound > 0 ? 0.5 * bound : 0, least = -0.9 * bound;
+  std::vector<double> logits;
+  for (int64_t row = 0; row < kernel; ++row)
+    for (int64_t column = 0; column < kernel; ++column) {
+      const auto dx = double(column - kernel / 2), dy = double(row - kernel / 2);
+      double logit = top - (dx * dx + dy * dy) / (2 * sigma * sigma);
+      if (bound > 0) {
+        logit = std::max(logit, least);
+        logit /= 1 - std::abs(logit) / bound;  // the inverse of the bound
+      }
+      logits.push_back(logit);
+    }
+  return logits;
+}
+
 void KernelGenerator::begin_as_gaussian(double sigma) {
   const torch::NoGradGuard no_gradient;
-  // Of a bounded logit: from half the bound at the centre to where its slope is 1 % of that at 0.
-  const double top = bound_ > 0 ? 0.5 * bound_ : 0, least = -0.9 * bound_;
-  const int64_t size = std::lround(std::sqrt(double(taps_))), middle = size / 2;
+  const int64_t size = std::lround(std::sqrt(double(taps_)));
+  const std::vector<double> logits = gaussian_logits(size, sigma, bound_);
   Tensor bias = weights().biases.back();
-  for (int64_t tap = 0; tap < taps_; ++tap) {
-    const int64_t column = tap % size, row = tap / size;
-    const auto dx = double(column - middle), dy = double(row - middle);
-    double logit = top - (dx * dx + dy * dy) / (2 * sigma * sigma);
-    if (bound_ > 0) {
-      logit = std::max(logit, least);
-      logit /= 1 - std::abs(logit) / bound_;  // the inverse of the bound
-    }
-    bias[tap] = logit;
-  }
+  for (int64_t tap = 0; tap < taps_; ++tap) bias[tap] = logits[size_t(tap)];
 }
 
 void initialise(Network& network, uint64_t seed) {
@@ -85,7 +100,10 @@ void initialise(Network& network, uint64_t seed) {
     if (auto* modulation = dynamic_cast<Modulation*>(module.get())) modulation->initialise();
     if (auto* rejection = dynamic_cast<Rejection*>(module.get())) rejection->initialise();
     if (auto* history = dynamic_cast<History*>(module.get())) history->initialise();
+    if (auto* stage = dynamic_cast<SuperResolution*>(module.get())) stage->begin_without_checkerboard();
     if (config.initial_kernel == 0) continue;
+    if (auto* denoiser = dynamic_cast<LightKpcn*>(module.get()))
+      denoiser->begin_as_gaussian(config.initial_kernel);
     if (auto* generator = dynamic_cast<KernelGenerator*>(module.get()))
       generator->begin_as_gaussian(config.initial_kernel);
   }

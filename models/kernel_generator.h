@@ -6,6 +6,10 @@
 
 namespace ld {
 
+/// What logits of kernel x kernel taps are, before their bound, for a Gaussian of this deviation (pixels):
+/// -d^2 / (2 sigma^2) at distance d, as far as a bound lets them fall.
+std::vector<double> gaussian_logits(int64_t kernel, double sigma, double bound);
+
 /// embeddings [B, N, E, H, W], context [B, C, H, W] -> kernel logits [B, N, K*K, H, W], tap order as in
 /// ops/kernel_splat.h, which exponentiates them. `further` outputs may follow the taps (the level weights of
 /// section 6).
@@ -31,8 +35,7 @@ class KernelGenerator : public FullyConnected {
   /// What makes the further outputs.
   FullyConnectedWeights further() const { return outputs(taps_, weights().weights.back().size(0) - taps_); }
 
-  /// Sets the last bias so that, before anything is learnt, all kernels are a Gaussian of this deviation
-  /// (pixels): logits of -d^2 / (2 sigma^2) at distance d, as far as a bound lets them fall.
+  /// Sets the last bias so that, before anything is learnt, all kernels are such a Gaussian.
   void begin_as_gaussian(double sigma);
 
  private:

@@ -1,5 +1,6 @@
 #include "models/network.h"
 
+#include "core/error.h"
 #include "models/demodulation.h"
 #include "models/exposure.h"
 #include "models/pixel_mean.h"
@@ -53,6 +54,16 @@ Compared Network::compare(NetworkInput input, const torch::Tensor& reference, Ne
 Compared Network::predict(const NetworkInput& input, const torch::Tensor& reference, NetworkState& state) {
   const torch::Tensor picture = denoise(input, state);
   return {picture, picture, reference};
+}
+
+Stages Network::stages(NetworkInput input, SecondReads reads, const torch::Tensor& given) {
+  input = admit(std::move(input));
+  return make_stages(input, reads, given.defined() ? given.to(device()) : given);
+}
+
+Stages Network::make_stages(const NetworkInput& /*input*/, SecondReads /*reads*/,
+                            const torch::Tensor& /*given*/) {
+  fail("network '{}' has one stage; 'espcn_kpcn' has two", config_.name);
 }
 
 Kernels Network::kernels(NetworkInput input) {

@@ -34,6 +34,16 @@ struct Compared {
   torch::Tensor predicted, target;  // picture and reference, or what the network predicts in their place
 };
 
+/// What a network in two stages makes, both linear radiance [B, 3, H, W].
+struct Stages {
+  torch::Tensor first;    // of the first stage, whose light has been brought to full resolution
+  torch::Tensor picture;  // of the second one, denoised
+};
+
+/// What the second stage reads: what the first has made, the same without a gradient through it, or a picture
+/// that somebody gives.
+enum class SecondReads { first, first_stopped, given };
+
 /// A network of [MH20]: linear radiance samples and features in, the linear denoised image [B, 3, H, W] out.
 class Network : public torch::nn::Module {
  public:
@@ -60,6 +70,9 @@ class Network : public torch::nn::Module {
   /// forward() of a training or validation frame with its reference [B, 3, H, W]. Most networks are compared
   /// in their pictures; one that predicts powers of light (NetworkTraits::in_powers), in these.
   Compared compare(NetworkInput input, const torch::Tensor& reference, NetworkState& state);
+  /// Both stages of a network that has two (NetworkTraits::upscaling): `picture` is forward() where the
+  /// second reads the first. `given` is a linear picture [B, 3, H, W]. Throws Error for other networks.
+  Stages stages(NetworkInput input, SecondReads reads, const torch::Tensor& given = {});
 
   /// Whether it keeps anything.
   bool remembers() const { return network_traits(config_.name).remembers; }
@@ -88,6 +101,7 @@ class Network : public torch::nn::Module {
   virtual torch::Tensor denoise(const NetworkInput& input, NetworkState& state) = 0;
   virtual Compared predict(const NetworkInput& input, const torch::Tensor& reference, NetworkState& state);
   virtual Kernels make_kernels(const NetworkInput& input) = 0;
+  virtual Stages make_stages(const NetworkInput& input, SecondReads reads, const torch::Tensor& given);
 
   NetworkConfig config_;
   InputFaults faults_;

@@ -32,6 +32,25 @@ struct UNetConfig {
   }
 };
 
+/// Of networks that read light at half resolution (models/super_resolution.h, models/light_kpcn.h).
+struct SuperResolutionConfig {
+  std::vector<int64_t> convolutions = {64, 32};  // channels of the hidden ones, the first 5x5, all others 3x3
+  std::string activation = "tanh";               // behind the hidden ones
+  std::string reads = "both";                    // what: the light, the guides or both
+  int64_t denoiser = 32;                         // channels of the denoiser's hidden convolutions
+
+  bool light() const { return reads != "guides"; }
+  bool guides() const { return reads != "light"; }
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("convolutions", convolutions, Range{1, 4096});
+    v.field("activation", activation, {"tanh", "relu"});
+    v.field("reads", reads, {"light", "guides", "both"});
+    v.field("denoiser", denoiser, Range{1, 4096});
+  }
+};
+
 /// Instead of a list of features: those that all frames of the training split hold and that vary in it
 /// (dataset/varying_features.h). Only a training finds out which; its resolved configuration and its weights
 /// hold the list.
@@ -57,8 +76,9 @@ struct NetworkConfig {
   std::vector<int64_t> sample_reducer = {32, 32, 32};  // outputs of its layers; the last is the embedding
   std::vector<int64_t> sample_partitioner = {32, 16};  // outputs of its hidden layers; the last has `layers`
   std::vector<int64_t> kernel_generator = {
-      128, 128};                        // outputs of its hidden layers; the last has kernel_size squared
-  std::vector<int64_t> history = {16};  // of "layer_history": hidden layers of what weighs the history
+      128, 128};                           // outputs of its hidden layers; the last has kernel_size squared
+  std::vector<int64_t> history = {16};     // of "layer_history": hidden layers of what weighs the history
+  SuperResolutionConfig super_resolution;  // of "espcn_kpcn"
   UNetConfig unet;
   bool recurrence = true;  // of "recurrent"; false: every frame is a first one, for comparison
   /// The network sees radiance as exposed so that the picture's log-average luminance is middle grey
@@ -99,6 +119,7 @@ struct NetworkConfig {
     v.field("sample_partitioner", sample_partitioner, Range{1, 4096});
     v.field("kernel_generator", kernel_generator, Range{1, 4096});
     v.field("history", history, Range{1, 4096});
+    v.section("super_resolution", super_resolution);
     v.section("unet", unet);
     v.field("recurrence", recurrence);
     v.field("exposure_normalisation", exposure_normalisation);

@@ -7,6 +7,7 @@ namespace ld {
 
 graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts& parts) {
   check_network(config);
+  if (config.name == "espcn_kpcn") return espcn_kpcn_graph(config, parts);
   if (config.name == "layer") return layer_graph(config, parts);
   if (config.name == "layer_history") return layer_history_graph(config, parts);
   if (config.name == "optimized") return optimized_graph(config, parts);

@@ -10,6 +10,10 @@ namespace ld {
 /// Throws UsageError as check_network() does.
 graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts& parts = {});
 
+/// Super-resolution and a denoiser (models/networks/espcn_kpcn_network.cpp). Light parts cannot be predicted:
+/// throws UsageError for them.
+graph::Graph espcn_kpcn_graph(const NetworkConfig& config, const graph::LightParts& parts);
+
 /// [MH20] figure 2 (models/networks/layer_network.h).
 graph::Graph layer_graph(const NetworkConfig& config, const graph::LightParts& parts);
 

@@ -1,4 +1,3 @@
-#include "frame/schema.h"
 #include "models/graphs/network_graph.h"
 #include "models/graphs/shared_graph.h"
 
@@ -9,28 +8,6 @@ using graph::Items;
 using graph::ValueId;
 
 namespace {
-
-/// Of the samples that count.
-ValueId add_mean_radiance(Graph& graph, const GraphInput& input, const char* name) {
-  graph::Value mean = graph[input.radiance];
-  mean.name = name;
-  mean.items = Items::picture;
-  return graph.add(graph::MaskedMean{}, {input.radiance, input.valid}, std::move(mean));
-}
-
-/// One sample a pixel: the mean of those that count (models/pixel_mean.h).
-GraphInput add_pixel_mean(Graph& graph, const NetworkConfig& config, const GraphInput& input) {
-  const int64_t channels = graph[input.features].channels;
-  GraphInput mean{};
-  mean.radiance = add_mean_radiance(graph, input, "mean_radiance");
-  mean.valid = graph.add(graph::AnyValid{}, {input.valid}, {"drawn", Items::picture, 1});
-  mean.features = graph.add(graph::MaskedMean{}, {input.features, input.valid},
-                            {"mean_features", Items::picture, channels});
-  if (const int64_t first = first_channel(config.features, "radiance"); first >= 0)
-    mean.features = graph.add(graph::ToneMapped{first}, {mean.features, mean.radiance, mean.valid},
-                              {"seen", Items::picture, channels});
-  return mean;
-}
 
 /// What the filters read.
 struct GraphPixels {

@@ -61,6 +61,26 @@ ValueId add_reducer(Graph& graph, const NetworkConfig& config, ValueId features)
                              features);
 }
 
+ValueId add_mean_radiance(Graph& graph, const GraphInput& input, const char* name) {
+  Value mean = graph[input.radiance];
+  mean.name = name;
+  mean.items = Items::picture;
+  return graph.add(graph::MaskedMean{}, {input.radiance, input.valid}, std::move(mean));
+}
+
+GraphInput add_pixel_mean(Graph& graph, const NetworkConfig& config, const GraphInput& input) {
+  const int64_t channels = graph[input.features].channels;
+  GraphInput mean{};
+  mean.radiance = add_mean_radiance(graph, input, "mean_radiance");
+  mean.valid = graph.add(graph::AnyValid{}, {input.valid}, {"drawn", Items::picture, 1});
+  mean.features = graph.add(graph::MaskedMean{}, {input.features, input.valid},
+                            {"mean_features", Items::picture, channels});
+  if (const int64_t first = first_channel(config.features, "radiance"); first >= 0)
+    mean.features = graph.add(graph::ToneMapped{first}, {mean.features, mean.radiance, mean.valid},
+                              {"seen", Items::picture, channels});
+  return mean;
+}
+
 std::optional<ValueId> add_demodulation(Graph& graph, const NetworkConfig& config, GraphInput& input) {
   if (config.demodulation != "albedo") return std::nullopt;
   Value demodulated = graph[input.radiance];

@@ -25,6 +25,12 @@ std::vector<int64_t> with_last(std::vector<int64_t> hidden, int64_t last);
 /// A reducer's layers, the last one activated.
 graph::ValueId add_reducer(graph::Graph& graph, const NetworkConfig& config, graph::ValueId features);
 
+/// Of the samples that count.
+graph::ValueId add_mean_radiance(graph::Graph& graph, const GraphInput& input, const char* name);
+
+/// One sample a pixel: the mean of those that count (models/pixel_mean.h).
+GraphInput add_pixel_mean(graph::Graph& graph, const NetworkConfig& config, const GraphInput& input);
+
 /// With demodulation: both forms of the radiance take its place; returns what add_modulation() needs.
 std::optional<graph::ValueId> add_demodulation(graph::Graph& graph, const NetworkConfig& config,
                                                GraphInput& input);

@@ -2,6 +2,7 @@
 // input, the tone-mapped loss, SSIM, PSNR and the PNGs.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace ld {
@@ -38,6 +39,14 @@ T srgb_inverse(T y) {
 template <class T>
 T tone_map(T x) {
   return x > T(0) ? srgb_transfer(std::log1p(x)) : T(0);
+}
+
+/// What tone_map() takes to y, for y up to tone_map(kHalfMax) = 2.82: larger ones count as that, so that an
+/// exponential does not overflow, negative ones and NaN as 0.
+template <class T>
+T tone_map_inverse(T y) {
+  if (!(y > T(0))) return T(0);
+  return std::min(std::expm1(srgb_inverse(std::min(y, T(3)))), T(65504));
 }
 
 /// Derivative of tone_map. At and below 0 it is the slope from the right, 12.92, so that a value that went

@@ -16,6 +16,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/log.h"
+#include "frame/derived_features.h"
 #include "weights/safetensors.h"
 
 namespace ld {
@@ -29,6 +30,12 @@ std::string file_state(const fs::path& path, const std::string& checksum) {
   if (stat(path.c_str(), &status) != 0) fail("cannot read {}: {}", path.string(), std::strerror(errno));
   return fmt::format("{} bytes, changed {}.{:09}, checksum {}", status.st_size, status.st_mtim.tv_sec,
                      status.st_mtim.tv_nsec, checksum.empty() ? "unknown" : checksum);
+}
+
+/// Frames without a companion are what they were before there were any.
+std::string half_state(const fs::path& companion) {
+  std::error_code ignored;  // what cannot be looked at is not read either
+  return fs::exists(companion, ignored) ? "; half " + file_state(companion, "") : "";
 }
 
 /// Of all that is not covered by the tiles' checksums.
@@ -118,7 +125,8 @@ void read_head(const fs::path& path) {
 std::string source_state(const fs::path& data_set, const ManifestFrame& frame) {
   return file_state(frame_path(data_set, frame.name), frame.checksum) + "; reference " +
          (frame.has_reference ? file_state(reference_path(data_set, frame.name), frame.reference_checksum)
-                              : "none");
+                              : "none") +
+         half_state(half_companion(frame_path(data_set, frame.name)));
 }
 
 FrameCache::FrameCache(const fs::path& folder, const std::vector<std::string>& features, uint64_t reserve)

@@ -23,7 +23,8 @@ void check_header(const fs::path& path, const FrameHeader& header, const std::ve
   if (header.spp == 0)
     fail("{} holds means only; expected sample parts s000, s001, ...: render with samples", path.string());
   for (const std::string& feature : features)
-    if (std::find(header.features.begin(), header.features.end(), feature) == header.features.end())
+    if (std::find(header.features.begin(), header.features.end(), feature) == header.features.end() &&
+        std::find(header.derivable.begin(), header.derivable.end(), feature) == header.derivable.end())
       fail(
           "{} lacks the feature '{}' (channel {}) that network.features names; render it, remove it from the "
           "config or say network.features=auto",

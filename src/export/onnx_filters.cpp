@@ -159,6 +159,11 @@ void to_onnx(const graph::Gather& op, OnnxWalk& at) {
   gather(at, generated(at, op.generator, op.kernel), op.kernel, 2);
 }
 
+void to_onnx(const graph::GatherTaps& op, OnnxWalk& at) {
+  const Value logits = at.read(0);
+  gather(at, op.bound > 0 ? onnx_bounded_softly(at.g, logits, float(op.bound)) : logits, op.kernel, 1);
+}
+
 void to_onnx(const graph::Blur& op, OnnxWalk& at) {
   std::vector<float> logits;
   for (const double logit : op.logits()) logits.push_back(float(logit));

@@ -3,15 +3,11 @@
 #include "models/network_numbers.h"
 
 namespace ld {
-namespace {
 
-/// c x / (c + |x|) (ops/fully_connected.h).
-Value bounded_softly(OnnxGraph& g, const Value& x, float c) {
+Value onnx_bounded_softly(OnnxGraph& g, const Value& x, float c) {
   const Value bound = g.number(c), rest = g.div(bound, g.add(bound, g.op("Abs", {x})));
   return g.mul(g.op("Sign", {x}), g.sub(bound, g.mul(bound, rest)));
 }
-
-}  // namespace
 
 Value onnx_fully_connected(OnnxGraph& g, const graph::FullyConnected& op, int64_t outputs, const Value& x,
                            int64_t own, const Value& context) {
@@ -37,7 +33,7 @@ Value onnx_fully_connected(OnnxGraph& g, const graph::FullyConnected& op, int64_
       a = g.reshape(a, {-1, made, height, width});
     }
     if (!last || op.activate_last) a = onnx_activated(g, a);
-    if (last && op.bound > 0) a = bounded_softly(g, a, float(op.bound));
+    if (last && op.bound > 0) a = onnx_bounded_softly(g, a, float(op.bound));
   }
   return g.reshape(a, {batch, -1, outputs, height, width});
 }

@@ -8,17 +8,6 @@
 namespace ld {
 namespace {
 
-/// The tone map of core/tone_map.h for x >= 0. log1p(x) = log(u) x / (u - 1) with the rounded u = 1 + x
-/// (Kahan) keeps the dark tones.
-Value tone_mapped(OnnxGraph& g, const Value& x) {
-  const Value one = g.number(1), u = g.add(one, x), rest = g.sub(u, one), small = g.is_zero(rest);
-  const Value y = g.where(small, x, g.div(g.mul(g.log(u), x), g.where(small, one, rest)));
-  const Value power = g.op("Pow", {y, g.number(1 / kSrgbExponent<float>)});
-  return g.where(g.op("LessOrEqual", {y, g.number(kSrgbLinearTo<float>)}),
-                 g.mul(y, g.number(kSrgbSlope<float>)),
-                 g.sub(g.mul(power, g.number(kSrgbScale<float>)), g.number(kSrgbOffset<float>)));
-}
-
 /// The features with those of the radiance, from channel `first` on, made from `radiance`.
 Value with_radiance_seen(OnnxWalk& at, const Value& features, const Value& radiance, const Value& valid,
                          int64_t first) {
@@ -27,7 +16,7 @@ Value with_radiance_seen(OnnxWalk& at, const Value& features, const Value& radia
   const Value exposed = at.exposure.name.empty() ? radiance : g.mul(radiance, at.exposure);
   std::vector<Value> parts;
   if (first > 0) parts.push_back(g.slice(features, 2, 0, first));
-  parts.push_back(g.mul(tone_mapped(g, g.min(exposed, g.number(kHalfMax))), valid));
+  parts.push_back(g.mul(onnx_tone_mapped(g, g.min(exposed, g.number(kHalfMax))), valid));
   if (first + 3 < channels) parts.push_back(g.slice(features, 2, first + 3, channels));
   return g.concat(parts, 2);
 }
@@ -51,9 +40,42 @@ Value exposure_of(OnnxGraph& g, const Value& radiance, const Value& valid) {
 
 }  // namespace
 
+// log1p(x) = log(u) x / (u - 1) with the rounded u = 1 + x (Kahan) keeps the dark tones.
+Value onnx_tone_mapped(OnnxGraph& g, const Value& x) {
+  const Value one = g.number(1), u = g.add(one, x), rest = g.sub(u, one), small = g.is_zero(rest);
+  const Value y = g.where(small, x, g.div(g.mul(g.log(u), x), g.where(small, one, rest)));
+  const Value power = g.op("Pow", {y, g.number(1 / kSrgbExponent<float>)});
+  return g.where(g.op("LessOrEqual", {y, g.number(kSrgbLinearTo<float>)}),
+                 g.mul(y, g.number(kSrgbSlope<float>)),
+                 g.sub(g.mul(power, g.number(kSrgbScale<float>)), g.number(kSrgbOffset<float>)));
+}
+
+// expm1(y) = (u - 1) y / log(u) with the rounded u = exp(y), likewise.
+Value onnx_tone_map_inverse(OnnxGraph& g, const Value& mapped) {
+  const Value within = g.clip(mapped, 0, 3), one = g.number(1);
+  const Value shifted = g.add(within, g.number(kSrgbOffset<float>));
+  const Value bent =
+      g.op("Pow", {g.div(shifted, g.number(kSrgbScale<float>)), g.number(kSrgbExponent<float>)});
+  const Value y = g.where(g.op("LessOrEqual", {within, g.number(0.04045F)}),
+                          g.div(within, g.number(kSrgbSlope<float>)), bent);
+  const Value u = g.exp(y), rest = g.sub(u, one), small = g.is_zero(rest);
+  return g.min(g.where(small, y, g.div(g.mul(rest, y), g.where(small, one, g.log(u)))), g.number(kHalfMax));
+}
+
 Value onnx_masked_mean(OnnxGraph& g, const Value& values, const Value& valid) {
   const Value weights = g.div(valid, g.max(g.reduce_sum(valid, {1}), g.number(1)));
   return g.reduce_sum(g.mul(weights, values), {1});
+}
+
+Value onnx_demodulator(OnnxGraph& g, const Value& features, int64_t albedo, int64_t specular) {
+  Value sum;
+  for (const int64_t first : {albedo, specular}) {
+    if (first < 0) continue;
+    const Value reflectance = g.slice(features, 2, first, first + 3);
+    sum = sum.name.empty() ? reflectance : g.add(sum, reflectance);
+  }
+  const Value none = g.op("LessOrEqual", {g.reduce_max(sum, {2}), g.number(float(kNoReflectance))});
+  return g.where(none, g.number(1), g.clip(sum, float(kLeastReflectance), float(kMostReflectance)));
 }
 
 Value onnx_statistics(OnnxGraph& g, const Value& values, const Value& valid) {
@@ -116,15 +138,7 @@ void to_onnx(const graph::ToneMapped& op, OnnxWalk& at) {
 
 void to_onnx(const graph::Demodulate& op, OnnxWalk& at) {
   OnnxGraph& g = at.g;
-  const Value features = at.read(0), radiance = at.read(1);
-  Value sum;
-  for (const int64_t first : {op.albedo, op.specular}) {
-    if (first < 0) continue;
-    const Value reflectance = g.slice(features, 2, first, first + 3);
-    sum = sum.name.empty() ? reflectance : g.add(sum, reflectance);
-  }
-  const Value none = g.op("LessOrEqual", {g.reduce_max(sum, {2}), g.number(float(kNoReflectance))});
-  const Value a = g.where(none, g.number(1), g.clip(sum, float(kLeastReflectance), float(kMostReflectance)));
+  const Value radiance = at.read(1), a = onnx_demodulator(g, at.read(0), op.albedo, op.specular);
   const Value bounded_radiance = g.min(radiance, g.number(float(kLargestDemodulated)));
   at.make(g.concat({g.div(bounded_radiance, a), radiance}, 2), 0);
 
@@ -133,6 +147,10 @@ void to_onnx(const graph::Demodulate& op, OnnxWalk& at) {
   const Value square = g.mul(mean, mean);
   const Value relative = g.reduce_sum(g.div(variance, g.where(g.is_zero(square), g.number(1), square)), {2});
   at.make(g.concat({mean, g.mul(relative, g.number(1 / 3.0F))}, 2), 1);
+}
+
+void to_onnx(const graph::Reflectance& op, OnnxWalk& at) {
+  at.make(onnx_masked_mean(at.g, onnx_demodulator(at.g, at.read(0), op.albedo, op.specular), at.read(1)));
 }
 
 }  // namespace ld

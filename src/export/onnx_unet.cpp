@@ -4,11 +4,8 @@
 #include "export/onnx_walk.h"
 
 namespace ld {
-namespace {
 
-/// The four pixels that become one, [B, N, C, H, W] -> [B, 4, N, C, ceil(H / 2), ceil(W / 2)]; `missing`
-/// stands for those beyond an odd border.
-Value four_pixels(OnnxGraph& g, const Value& planes, float missing) {
+Value onnx_four_pixels(OnnxGraph& g, const Value& planes, float missing) {
   const auto odd = [&](int64_t axis) { return g.op("Mod", {g.size_of(planes, axis), g.whole({2})}); };
   const Value even = g.pad(planes, {0, 0, 0, 0, 0}, {0, 0, 0, odd(3), odd(4)}, missing);
   constexpr int64_t kEnd = std::numeric_limits<int64_t>::max();
@@ -18,8 +15,6 @@ Value four_pixels(OnnxGraph& g, const Value& planes, float missing) {
       pixels.push_back(g.unsqueeze(g.slice(g.slice(even, 3, dy, kEnd, 2), 4, dx, kEnd, 2), 1));
   return g.concat(pixels, 1);
 }
-
-}  // namespace
 
 void to_onnx(const graph::Pad&, OnnxWalk& at) {
   OnnxGraph& g = at.g;
@@ -60,14 +55,14 @@ void to_onnx(const graph::Upsample& op, OnnxWalk& at) {
 
 void to_onnx(const graph::Halve&, OnnxWalk& at) {
   OnnxGraph& g = at.g;
-  const Value log_n = four_pixels(g, at.read(0), -kInfinity), top = g.top(log_n, {1});
+  const Value log_n = onnx_four_pixels(g, at.read(0), -kInfinity), top = g.top(log_n, {1});
   const Value weights = g.exp(g.sub(log_n, top)), total = g.reduce_sum(weights, {1});
   at.make(g.squeeze(g.sub(g.add(g.log(total), top), g.number(std::log(4.0F))), 1), 0);
 
-  const Value pixels = four_pixels(g, at.read(1), 0), sum = g.reduce_sum(pixels, {1});
+  const Value pixels = onnx_four_pixels(g, at.read(1), 0), sum = g.reduce_sum(pixels, {1});
   at.make(g.squeeze(sum, 1), 1);
   const auto mean = [&](size_t input, const Value& share) {
-    at.make(g.reduce_sum(g.mul(share, four_pixels(g, at.read(input), 0)), {1}, false), input);
+    at.make(g.reduce_sum(g.mul(share, onnx_four_pixels(g, at.read(input), 0)), {1}, false), input);
   };
   mean(2, g.div(pixels, g.max(sum, g.number(1))));
   const Value share = g.div(weights, g.where(g.is_zero(total), g.number(1), total));

@@ -78,6 +78,24 @@ Value onnx_masked_mean(OnnxGraph& g, const Value& values, const Value& valid);
 /// Mean and population variance over the valid items, [B, n, C, H, W] -> [B, 1, 2 C, H, W].
 Value onnx_statistics(OnnxGraph& g, const Value& values, const Value& valid);
 
+/// The four pixels that become one, [B, N, C, H, W] -> [B, 4, N, C, ceil(H / 2), ceil(W / 2)]; `missing`
+/// stands for those beyond an odd border.
+Value onnx_four_pixels(OnnxGraph& g, const Value& planes, float missing);
+
+/// core/tone_map.h for x >= 0, and back.
+Value onnx_tone_mapped(OnnxGraph& g, const Value& x);
+Value onnx_tone_map_inverse(OnnxGraph& g, const Value& mapped);
+
+/// What each sample's radiance is divided by (models/demodulation.h), [B, S, 3, H, W]. First channels of the
+/// features that are there, else -1.
+Value onnx_demodulator(OnnxGraph& g, const Value& features, int64_t albedo, int64_t specular);
+
+/// Over the valid items, [B, n, C, H, W] -> [B, 1, C, H, W].
+Value onnx_masked_mean(OnnxGraph& g, const Value& values, const Value& valid);
+
+/// c x / (c + |x|) (ops/fully_connected.h).
+Value onnx_bounded_softly(OnnxGraph& g, const Value& x, float c);
+
 /// Leaky ReLU as everywhere in [MH20].
 inline Value onnx_activated(OnnxGraph& g, const Value& x, double slope = kLeakySlope) {
   return g.op("LeakyRelu", {x}, {{"alpha", float(slope)}});
@@ -94,6 +112,15 @@ void to_onnx(const graph::ToneMapped& op, OnnxWalk& at);
 void to_onnx(const graph::FullyConnected& op, OnnxWalk& at);
 void to_onnx(const graph::Pad& op, OnnxWalk& at);
 void to_onnx(const graph::Convolution& op, OnnxWalk& at);
+void to_onnx(const graph::EdgeConvolution& op, OnnxWalk& at);
+void to_onnx(const graph::SpaceToDepth& op, OnnxWalk& at);
+void to_onnx(const graph::DepthToSpace& op, OnnxWalk& at);
+void to_onnx(const graph::HalveLight& op, OnnxWalk& at);
+void to_onnx(const graph::Relight& op, OnnxWalk& at);
+void to_onnx(const graph::Channels& op, OnnxWalk& at);
+void to_onnx(const graph::Add& op, OnnxWalk& at);
+void to_onnx(const graph::Reflectance& op, OnnxWalk& at);
+void to_onnx(const graph::GatherTaps& op, OnnxWalk& at);
 void to_onnx(const graph::MaxPool& op, OnnxWalk& at);
 void to_onnx(const graph::Upsample& op, OnnxWalk& at);
 void to_onnx(const graph::Halve& op, OnnxWalk& at);

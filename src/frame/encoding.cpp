@@ -25,6 +25,9 @@ void encode(const Feature& feature, float depth_scale, const float* values, floa
     case Encoding::squash:
       for (size_t i = 0; i < count; ++i) encoded[i] = values[i] / (std::fabs(values[i]) + feature.scale);
       return;
+    case Encoding::place:
+      for (size_t i = 0; i < count; ++i) encoded[i] = values[i] / (std::fabs(values[i]) + depth_scale);
+      return;
     case Encoding::none:
       require_network_feature(feature.name);
   }

@@ -24,9 +24,9 @@ bool all_within(const float* values, size_t count, float low, float high) {
   return out == 0;
 }
 
-/// Radiance and its parts; all others are guides.
+/// Radiance, its parts and that of half resolution; all others are guides.
 bool is_light(int channel) {
-  return channel < kNormalOffset || channel >= kDirectOffset;
+  return channel < kNormalOffset || (channel >= kDirectOffset && channel < kPositionOffset);
 }
 
 float least_value(int channel) {
@@ -158,7 +158,8 @@ int64_t fit_in_half(Frame& frame, int sample) {
   const size_t pixels = frame.plane_size();
   float* const radiance[3] = {frame.plane(sample, 0), frame.plane(sample, 1), frame.plane(sample, 2)};
   std::vector<float*> parts;
-  for (int c = kDirectOffset; c < frame.channels; ++c) parts.push_back(frame.plane(sample, c));
+  for (int c = kDirectOffset; c < std::min(frame.channels, kHalfRadianceOffset); ++c)
+    parts.push_back(frame.plane(sample, c));
   for (size_t part = 0; part < frame.parts.size(); ++part)
     for (int c = 0; c < 3; ++c) parts.push_back(frame.part_plane(part, sample, c));
   for (float* part : parts)

@@ -14,8 +14,10 @@ struct FrameHeader {
   int width = 0, height = 0;
   int spp = 0;                        // number of sample parts; 0 for a file with means only
   std::vector<std::string> features;  // features of the schema that every sample part holds
-  std::string misnamed;               // where there are none: a part that looks like one, such as "s0"
-  bool alpha = false;                 // every sample part has a channel A
+  std::vector<std::string>
+      derivable;         // features that read_frame() can make beside (frame/derived_features.h)
+  std::string misnamed;  // where there are none: a part that looks like one, such as "s0"
+  bool alpha = false;    // every sample part has a channel A
   /// Layers NAME of channels NAME.R, NAME.G and NAME.B that every sample part has beside the features: parts
   /// of the light, as far as anybody can tell.
   std::vector<std::string> layers;
@@ -37,11 +39,12 @@ std::string misnamed_text(const FrameHeader& header);
 FrameHeader read_frame_header(const std::filesystem::path& path);
 
 /// Reads the samples with at least the `required` features (others that are missing become 0) and sanitises
-/// them; `faults` receives what was found. frame.features are all that the file holds. info.depth_scale is
-/// computed where the file has none. Throws Error as above and for a missing feature (naming part and
-/// channel), for a file without samples and for one with fewer than `samples`, of which only the first so
-/// many are read (0: all). Of the layers, those that a pattern of `also` fits become its light parts
-/// (choose_names). Nothing depends on the number of threads.
+/// them; `faults` receives what was found. frame.features are all that the file holds, and those of the
+/// required that follow from what lies beside it (frame/derived_features.h). info.depth_scale is computed
+/// where the file has none. Throws Error as above and for a missing feature (naming part and channel), for a
+/// file without samples and for one with fewer than `samples`, of which only the first so many are read (0:
+/// all). Of the layers, those that a pattern of `also` fits become its light parts (choose_names). Nothing
+/// depends on the number of threads.
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
                  int samples = 0, int threads = 1, const std::vector<std::string>& also = {});
 

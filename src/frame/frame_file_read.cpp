@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "frame/derived_features.h"
 #include "frame/exr_check.h"
 #include "frame/exr_reader.h"
 #include "frame/frame_attributes.h"
@@ -87,7 +88,7 @@ std::set<std::string> coloured_layers(const ExrReader& exr, int part) {
     if (exr.has_channel(part, layer + ".G") && exr.has_channel(part, layer + ".B")) layers.insert(layer);
   }
   for (const Feature& feature : feature_schema())
-    if (feature.offset < kDirectOffset)
+    if (feature.offset < kDirectOffset || feature.offset >= kHalfRadianceOffset)
       layers.erase(feature.name);  // those behind are parts of the light, too
   return layers;
 }
@@ -214,7 +215,9 @@ std::string misnamed_text(const FrameHeader& header) {
 
 FrameHeader read_frame_header(const std::filesystem::path& path) {
   const ExrReader exr(path);
-  return header_of(exr, sample_parts(exr));
+  FrameHeader header = header_of(exr, sample_parts(exr));
+  header.derivable = derivable_features(path, header.features, header.info);
+  return header;
 }
 
 Frame read_frame(const std::filesystem::path& path, const std::vector<std::string>& required, Faults& faults,
@@ -231,9 +234,16 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
         exr.path(), exr.channel_list(0));
   require_samples(exr.path(), header.spp, samples);
   if (samples > 0) parts.resize(static_cast<size_t>(samples));
-  require_features(exr, parts, required);
+  std::vector<std::string> read = required, derived;
+  for (const std::string& name : derivable_features(path, header.features, header.info))
+    if (const auto wanted = std::find(read.begin(), read.end(), name); wanted != read.end()) {
+      derived.push_back(name);
+      read.erase(wanted);
+    }
+  require_features(exr, parts, read);
 
-  Frame frame(header.width, header.height, static_cast<int>(parts.size()), frame_channels(header.features));
+  Frame frame(header.width, header.height, static_cast<int>(parts.size()),
+              derived.empty() ? frame_channels(header.features) : kAllChannels);
   frame.info = header.info;
   frame.features = header.features;
   if (header.alpha) frame.alpha.resize(frame.valid.size());
@@ -280,6 +290,7 @@ Frame read_frame(const std::filesystem::path& path, const std::vector<std::strin
   copy_features_to_parts(frame);
   faults.clamped = frame.info.clamped;
   if (frame.info.depth_scale <= 0) frame.info.depth_scale = median_depth(frame, threads);
+  for (const std::string& name : derived) add_derived(frame, name, path);
   return frame;
 }
 

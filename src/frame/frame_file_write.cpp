@@ -17,7 +17,7 @@
 #include "frame/exr_output.h"
 #include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
-#include "frame/half_float.h"
+#include "frame/half_rows.h"
 #include "frame/half_range.h"
 
 namespace ld {

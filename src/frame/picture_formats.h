@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/module.h"
+
 namespace ld {
 
 /// [height, width, channels], row 0 on top; integers are mapped to [0, 1].
@@ -36,6 +38,11 @@ class PictureFormats {
 };
 
 /// Loads the module at the first call. Throws Error when it is missing.
-const PictureFormats& picture_formats();
+inline const PictureFormats& picture_formats() {
+  static const auto* const formats = static_cast<const PictureFormats*>(
+      load_module("ld_picture_formats", "reads textures and draws text",
+                  "install the program again, or build all of it (cmake --build --preset release)"));
+  return *formats;
+}
 
 }  // namespace ld

@@ -17,6 +17,8 @@ const char* encoding_name(Encoding encoding) {
       return "depth";
     case Encoding::squash:
       return "squash";
+    case Encoding::place:
+      return "place";
     case Encoding::none:
       return "none";
   }
@@ -73,6 +75,17 @@ const std::vector<Feature>& feature_schema() {
        Encoding::tone_map,
        0,
        Vector::none},
+      // For super-resolution. Radiance of the same view at half the width and height (rounded up), of random
+      // numbers of its own: all pixels of 2x2 hold the same
+      {"half_radiance",
+       kHalfRadianceOffset,
+       3,
+       {"half_radiance.R", "half_radiance.G", "half_radiance.B"},
+       Encoding::tone_map,
+       0,
+       Vector::none},
+      // view space as normal's, scene units: where the first hit is, from the camera
+      {"position", kPositionOffset, 3, {"P.X", "P.Y", "P.Z"}, Encoding::place, 0, Vector::y_up},
   };
   return schema;
 }

@@ -20,6 +20,7 @@ enum class Encoding {
   identity,
   depth,   // d / (d + the frame's median finite depth); 1 where the ray escaped
   squash,  // x / (|x| + scale): bounded by 1, odd, so that it commutes with flips and quarter turns
+  place,   // squash with the frame's median finite depth as scale
   none     // not at all: it is for filters
 };
 
@@ -41,7 +42,7 @@ struct Feature {
 };
 
 /// Channels of [MH20] and flow, which every frame in memory has room for; and all that a frame may hold.
-constexpr int kSampleChannels = 22, kAllChannels = 33;
+constexpr int kSampleChannels = 22, kAllChannels = 39;
 constexpr int kRadianceOffset = 0;
 constexpr int kNormalOffset = 3;
 constexpr int kDepthOffset = 6;
@@ -51,6 +52,8 @@ constexpr int kFlowDepthOffset = 23;
 constexpr int kDirectOffset = 24;
 constexpr int kIndirectOffset = 27;
 constexpr int kEmissionOffset = 30;
+constexpr int kHalfRadianceOffset = 33;
+constexpr int kPositionOffset = 36;
 /// Depth of a ray that escaped: half's largest finite number.
 constexpr float kEscapedDepth = kHalfMax;
 /// Flow in x and y of what the previous frame did not see, after a cut: it leads out of every picture.
@@ -60,7 +63,8 @@ constexpr float kMostId = 1 << 24;
 
 /// All features in the order of their offsets: radiance, normal, depth, albedo, specular, roughness, motion,
 /// coc, lens, time, which are the 20 channels of [MH20]; then flow, which sequences have; then what classical
-/// filters read: id, flow_depth, direct, indirect, emission.
+/// filters read: id, flow_depth, direct, indirect, emission; then what super-resolution reads: half_radiance
+/// and position (frame/derived_features.h).
 const std::vector<Feature>& feature_schema();
 
 /// Throws UsageError with the nearest name and the list of names when there is no such feature.

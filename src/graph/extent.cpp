@@ -30,11 +30,15 @@ struct ParametersOf {
   std::vector<Parameter> operator()(const FullyConnected& op) const {
     return layers(op, channels(0) + (node.inputs.size() > 1 ? channels(1) : 0));
   }
-  std::vector<Parameter> operator()(const Convolution& op) const {
+  std::vector<Parameter> convolution(const std::string& weights, int64_t kernel) const {
     int64_t inputs = 0;
     for (size_t i = 0; i < node.inputs.size(); ++i) inputs += channels(i);
     const int64_t outputs = graph[node.outputs[0]].channels;
-    return {{op.weights + ".weight", {outputs, inputs, 3, 3}}, {op.weights + ".bias", {outputs}}};
+    return {{weights + ".weight", {outputs, inputs, kernel, kernel}}, {weights + ".bias", {outputs}}};
+  }
+  std::vector<Parameter> operator()(const Convolution& op) const { return convolution(op.weights, 3); }
+  std::vector<Parameter> operator()(const EdgeConvolution& op) const {
+    return convolution(op.weights, op.kernel);
   }
   std::vector<Parameter> operator()(const Reject& op) const {
     return layers({op.weights, {1}}, channels(1) + channels(2));
@@ -91,6 +95,7 @@ struct CostOf {
   NodeCost operator()(const Gather& op) const {
     return {layers(op.generator, channels(0) + channels(1), op.kernel * op.kernel), taps(op.kernel, 3)};
   }
+  NodeCost operator()(const GatherTaps& op) const { return {0, taps(op.kernel, 2)}; }
   NodeCost operator()(const Blur& op) const { return {0, taps(op.kernel, 1)}; }
 };
 

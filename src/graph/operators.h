@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/activation.h"
+
 namespace ld::graph {
 
 /// The frame -> encoded features [S, F], radiance [S, 3] and behind it Graph::parts, valid [S, 1]
@@ -60,6 +62,14 @@ struct Convolution {
   double slope = 1;  // below 0, of the leaky ReLU behind it; 1: none
 };
 
+/// kernel x kernel, 3 or 5, the pixels at the border repeated beyond it (models/edge_convolution.h). Inputs
+/// as Convolution's.
+struct EdgeConvolution {
+  std::string weights;
+  int64_t kernel = 3;
+  Activation activation = Activation::none;
+};
+
 /// 2x2, to the next level.
 struct MaxPool {};
 
@@ -86,11 +96,42 @@ struct Received {
 /// models/networks/optimized_network.h).
 struct BlendLevels {};
 
+/// [1, C] -> [1, 4 C] at the next level, and back again, rows and columns that an odd side lacks repeated and
+/// left out (models/super_resolution.h).
+struct SpaceToDepth {};
+struct DepthToSpace {};
+
+/// light [1, 3], drawn [1, 1] and, with demodulation, reflectance [1, 3] -> at the next level, of the mean
+/// over those of 2x2 pixels that are drawn: tone-mapped light [1, 3], without its reflectance where that is
+/// given, 1 where it is known [1, 1], and that reflectance [1, 3], 1 where it is not known. `mapped`: the
+/// light comes tone mapped (models/networks/espcn_kpcn_network.cpp).
+struct HalveLight {
+  bool mapped = false;
+};
+
+/// Tone-mapped light [1, 3] and, with demodulation, reflectance [1, 3], drawn [1, 1], and the reflectance
+/// that counts where nothing is drawn [1, 3] -> linear radiance [1, 3].
+struct Relight {};
+
+/// [n, C] -> its channels from `first` on, as many as the result has.
+struct Channels {
+  int64_t first = 0;
+};
+
+/// x [n, C], y [n, C] -> x + y.
+struct Add {};
+
 /// features [S, F], radiance [S, 3], valid [S, 1] -> both forms of the radiance [S, 6] and what
 /// ModulationFactors needs [1, 4] (models/demodulation.h). First channels of the features that are there,
 /// else -1. Behind the radiance's come both forms of all coloured parts, the divided ones first, then alpha
 /// as it is.
 struct Demodulate {
+  int64_t albedo = -1, specular = -1;
+};
+
+/// features [S, F], valid [S, 1] -> what radiance is divided by, the mean over the samples that are valid [1,
+/// 3]; 0 where a pixel has none. Channels as Demodulate's.
+struct Reflectance {
   int64_t albedo = -1, specular = -1;
 };
 
@@ -120,6 +161,13 @@ struct Splat {
 struct Gather {
   FullyConnected generator;
   int64_t kernel = 1;
+};
+
+/// logits [1, K*K], log n [1, 1], values [1, C] -> [1, C]: the same with logits that are there already,
+/// within a bound as FullyConnected's.
+struct GatherTaps {
+  int64_t kernel = 1;
+  double bound = 0;
 };
 
 /// log n [1, 1], values [1, C] -> [1, C]: the mean of the neighbours under a Gaussian of `kernel` taps a
@@ -190,9 +238,10 @@ struct LayerIdentity {};
 
 using Operator =
     std::variant<Encode, MaskedMean, AnyValid, LogValid, FirstValid, Statistics, ToneMapped, FullyConnected,
-                 Pad, Convolution, MaxPool, Upsample, Halve, Received, BlendLevels, Demodulate, Partition,
-                 Reject, Splat, Gather, Blur, Mix, Composite, ModulationFactors, Modulate, Recall, Compare,
-                 Remember, TakeRoots, RaiseRoots, RecallPart, LayerIdentity>;
+                 Pad, Convolution, EdgeConvolution, MaxPool, Upsample, SpaceToDepth, DepthToSpace, HalveLight,
+                 Relight, Channels, Add, Halve, Received, BlendLevels, Demodulate, Reflectance, Partition,
+                 Reject, Splat, Gather, GatherTaps, Blur, Mix, Composite, ModulationFactors, Modulate, Recall,
+                 Compare, Remember, TakeRoots, RaiseRoots, RecallPart, LayerIdentity>;
 
 /// Whether each pixel is made from the same pixel of the inputs alone.
 bool is_pixelwise(const Operator& op);

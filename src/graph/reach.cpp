@@ -14,6 +14,11 @@ struct ReadTo {
   }
   /// Rows are made in pairs (ops/kernels/winograd.h).
   int64_t operator()(const Convolution&) const { return (end + 1) / 2 * 2 + 1; }
+  int64_t operator()(const EdgeConvolution& op) const { return end + op.kernel / 2; }
+  int64_t operator()(const SpaceToDepth&) const { return 2 * end; }
+  int64_t operator()(const HalveLight&) const { return 2 * end; }
+  int64_t operator()(const DepthToSpace&) const { return (end + 1) / 2; }
+  int64_t operator()(const GatherTaps& op) const { return end + op.kernel / 2; }
   int64_t operator()(const MaxPool&) const { return 2 * end; }
   int64_t operator()(const Halve&) const { return 2 * end; }
   int64_t operator()(const Received& op) const { return end + op.kernel / 2; }
@@ -42,6 +47,11 @@ struct ReadFrom {
   /// The last row is there again for those that are padded to.
   int64_t operator()(const Pad&) const { return std::min(begin, height - 1); }
   int64_t operator()(const Convolution&) const { return begin / 2 * 2 - 1; }
+  int64_t operator()(const EdgeConvolution& op) const { return begin - op.kernel / 2; }
+  int64_t operator()(const SpaceToDepth&) const { return 2 * begin; }
+  int64_t operator()(const HalveLight&) const { return 2 * begin; }
+  int64_t operator()(const DepthToSpace&) const { return begin / 2; }
+  int64_t operator()(const GatherTaps& op) const { return begin - op.kernel / 2; }
   int64_t operator()(const MaxPool&) const { return 2 * begin; }
   int64_t operator()(const Halve&) const { return 2 * begin; }
   int64_t operator()(const Received& op) const { return begin - op.kernel / 2; }
@@ -67,6 +77,11 @@ struct ReadsAround {
   }
   bool operator()(const Pad&) const { return true; }
   bool operator()(const Convolution&) const { return true; }
+  bool operator()(const EdgeConvolution&) const { return true; }
+  bool operator()(const SpaceToDepth&) const { return true; }
+  bool operator()(const HalveLight&) const { return true; }
+  bool operator()(const DepthToSpace&) const { return true; }
+  bool operator()(const GatherTaps&) const { return true; }
   bool operator()(const MaxPool&) const { return true; }
   bool operator()(const Upsample&) const { return true; }
   bool operator()(const Halve&) const { return true; }

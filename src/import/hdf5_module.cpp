@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "core/module.h"
-#include "frame/half_float.h"
+#include "frame/half_rows.h"
 #include "import/hdf5_file.h"
 #include "import/hdf5_handle.h"
 
@@ -43,7 +43,7 @@ std::vector<hsize_t> sizes_of(const std::vector<uint64_t>& dimensions) {
 
 struct OpenData : Hdf5Data {
   Hdf5Handle handle;
-  bool half_floats = false;  // of IEEE binary16, which frame/half_float.h converts
+  bool half_floats = false;  // of IEEE binary16, which frame/half_rows.h converts
 
   void read_frame(uint64_t frame, std::vector<float>& values) const override;
   void write_frame(uint64_t frame, const std::vector<float>& values) const override;

@@ -55,7 +55,34 @@ class ToneMap : public torch::autograd::Function<ToneMap> {
   }
 };
 
+/// tone_map_inverse() of core/tone_map.h on other devices than the CPU.
+Tensor composed_inverse(const Tensor& y) {
+  const Tensor within = y.clamp(0, 3);
+  const Tensor linear = at::where(within.le(0.04045), within / 12.92, ((within + 0.055) / 1.055).pow(2.4));
+  return linear.expm1().clamp_max(65504).masked_fill(y.gt(0).logical_not(), 0);
+}
+
+class ToneMapInverse : public torch::autograd::Function<ToneMapInverse> {
+ public:
+  static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& mapped) {
+    const Tensor linear =
+        mapped.is_cpu() ? map(mapped, [](auto y) { return tone_map_inverse(y); }) : composed_inverse(mapped);
+    context->save_for_backward({linear});
+    return linear;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 torch::autograd::variable_list gradient) {
+    return {gradient[0] / tone_map_slope(context->get_saved_variables()[0])};
+  }
+};
+
 }  // namespace
+
+Tensor tone_map_inverse(const Tensor& mapped) {
+  floating_type("tone_map_inverse: the image", mapped);
+  return ToneMapInverse::apply(mapped);
+}
 
 Tensor tone_map(const Tensor& linear) {
   floating_type("tone_map: the image", linear);

@@ -9,6 +9,10 @@ namespace ld {
 /// or float64, any shape. Throws Error for another element type.
 torch::Tensor tone_map(const torch::Tensor& linear);
 
+/// Elementwise tone_map_inverse() of core/tone_map.h; its derivative is 1 / tone_map_slope() of the result
+/// everywhere, so that a value outside of its range is pulled back and not stuck.
+torch::Tensor tone_map_inverse(const torch::Tensor& mapped);
+
 /// Elementwise tone_map_slope(), without a gradient of its own.
 torch::Tensor tone_map_slope(const torch::Tensor& linear);
 

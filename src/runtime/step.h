@@ -69,6 +69,15 @@ std::unique_ptr<TileStep> make_step(const graph::FullyConnected& op, const graph
                                     StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Pad& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::EdgeConvolution& op, const graph::Node& node,
+                                StepContext& context);
+std::unique_ptr<Step> make_step(const graph::SpaceToDepth& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::DepthToSpace& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::HalveLight& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Relight& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Channels& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Add& op, const graph::Node& node, StepContext& context);
+std::unique_ptr<Step> make_step(const graph::GatherTaps& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::MaxPool& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Upsample& op, const graph::Node& node, StepContext& context);
 std::unique_ptr<Step> make_step(const graph::Halve& op, const graph::Node& node, StepContext& context);
@@ -76,6 +85,8 @@ std::unique_ptr<Step> make_step(const graph::Received& op, const graph::Node& no
 std::unique_ptr<TileStep> make_step(const graph::BlendLevels& op, const graph::Node& node,
                                     StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::Demodulate& op, const graph::Node& node,
+                                    StepContext& context);
+std::unique_ptr<TileStep> make_step(const graph::Reflectance& op, const graph::Node& node,
                                     StepContext& context);
 std::unique_ptr<TileStep> make_step(const graph::Partition& op, const graph::Node& node,
                                     StepContext& context);

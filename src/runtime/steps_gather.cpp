@@ -112,6 +112,27 @@ class GatherStep : public GatheringStep {
   std::vector<TileNetwork::Scratch> scratch_;
 };
 
+class GatherTapsStep : public GatheringStep {
+ public:
+  GatherTapsStep(const graph::GatherTaps& op, const graph::Node& node, StepContext& context)
+      : GatheringStep(context, op.kernel, context.input(node, 1), node.inputs[2], context.output(node)),
+        taps_(context.input(node, 0)),
+        bound_(float(op.bound)) {}
+
+ private:
+  void make_logits(const Stretch& at, int /*thread*/, StagedRows& logits) override {
+    for (int64_t tap = 0; tap < taps_.planes; ++tap) {
+      const float* from = taps_.row(at.y, tap) + at.x;
+      float* to = logits.row(tap);
+      for (int64_t i = 0; i < at.count; ++i)
+        to[i] = bound_ > 0 ? from[i] * (bound_ / (bound_ + std::fabs(from[i]))) : from[i];
+    }
+  }
+
+  RowWindow taps_;
+  float bound_;
+};
+
 class BlurStep : public GatheringStep {
  public:
   BlurStep(const graph::Blur& op, const graph::Node& node, StepContext& context)
@@ -132,6 +153,9 @@ class BlurStep : public GatheringStep {
 
 std::unique_ptr<Step> make_step(const graph::Gather& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<GatherStep>(op, node, context);
+}
+std::unique_ptr<Step> make_step(const graph::GatherTaps& op, const graph::Node& node, StepContext& context) {
+  return std::make_unique<GatherTapsStep>(op, node, context);
 }
 std::unique_ptr<Step> make_step(const graph::Blur& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<BlurStep>(op, node, context);

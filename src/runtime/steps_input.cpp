@@ -72,6 +72,34 @@ class EncodeStep : public TileStep {
   std::vector<Channel> channels_;
 };
 
+constexpr DemodulationLimits kDemodulationLimits = {float(kNoReflectance), float(kLeastReflectance),
+                                                    float(kMostReflectance), float(kLargestDemodulated)};
+
+/// Of Reflectance.
+struct ReflectanceTile {
+  graph::Reflectance op;
+  RowWindow features, valid, mean;
+
+  int64_t scratch() const { return (3 * valid.planes + 7) * kTilePixels; }
+
+  void operator()(const PixelTile& tile, float* memory) const {
+    const int64_t samples = valid.planes, channels = features.planes / samples, pixels = padded(tile.count);
+    const PlanarTarget divisors = {memory, kTilePixels},  // [samples][3]
+        forms = {divisors.plane(3 * samples), kTilePixels};
+    float* share = forms.plane(6);
+    const auto feature = [&](int64_t s, int64_t first) {
+      return first < 0 ? PlanarRow() : features.at(tile, s * channels + first);
+    };
+    for (int64_t s = 0; s < samples; ++s)
+      demodulate(kDemodulationLimits, feature(s, op.albedo), feature(s, op.specular), features.at(tile, 0),
+                 pixels, {divisors.plane(3 * s), kTilePixels}, forms);
+    valid_shares(valid.at(tile), samples, pixels, share);
+    for (int64_t c = 0; c < 3; ++c)
+      mean_of_items({divisors.plane(c), 3 * kTilePixels}, valid.at(tile), share, samples, pixels,
+                    mean.at(tile, c).data);
+  }
+};
+
 /// Of Demodulate.
 struct DemodulateTile {
   graph::Demodulate op;
@@ -80,8 +108,6 @@ struct DemodulateTile {
   int64_t scratch() const { return (3 * valid.planes + 4) * kTilePixels; }
 
   void operator()(const PixelTile& tile, float* memory) const {
-    constexpr DemodulationLimits kLimits = {float(kNoReflectance), float(kLeastReflectance),
-                                            float(kMostReflectance), float(kLargestDemodulated)};
     const int64_t samples = valid.planes, channels = features.planes / samples, pixels = padded(tile.count);
     const PlanarTarget divisors = {memory, kTilePixels},  // [samples][3]
         variances = {divisors.plane(3 * samples), kTilePixels};
@@ -92,8 +118,8 @@ struct DemodulateTile {
     const int64_t in = radiance.planes / samples, out = forms.planes / samples;
     for (int64_t s = 0; s < samples; ++s) {
       const PlanarTarget of_sample = {divisors.plane(3 * s), kTilePixels};
-      demodulate(kLimits, feature(s, op.albedo), feature(s, op.specular), radiance.at(tile, in * s), pixels,
-                 of_sample, forms.at(tile, out * s));
+      demodulate(kDemodulationLimits, feature(s, op.albedo), feature(s, op.specular),
+                 radiance.at(tile, in * s), pixels, of_sample, forms.at(tile, out * s));
       divide_parts(radiance.at(tile, in * s), in - 3, of_sample, pixels, forms.at(tile, out * s));
     }
     const PlanarTarget means = modulators.at(tile);
@@ -130,6 +156,11 @@ struct DemodulateTile {
 
 std::unique_ptr<TileStep> make_step(const graph::Encode& op, const graph::Node& node, StepContext& context) {
   return std::make_unique<EncodeStep>(op, node, context);
+}
+std::unique_ptr<TileStep> make_step(const graph::Reflectance& op, const graph::Node& node,
+                                    StepContext& context) {
+  const ReflectanceTile tile = {op, context.input(node, 0), context.input(node, 1), context.output(node)};
+  return tile_step(context, tile.scratch(), tile);
 }
 std::unique_ptr<TileStep> make_step(const graph::Demodulate& op, const graph::Node& node,
                                     StepContext& context) {

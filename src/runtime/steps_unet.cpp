@@ -25,14 +25,14 @@ class ConvolutionInputs {
     for (size_t i = 0; i < node.inputs.size(); ++i) windows_.push_back(context.input(node, i));
   }
 
-  /// Rows [y, y + N) of each, zeros beyond the border.
+  /// Rows [y, y + count) of each, zeros beyond the border.
   template <class Source>
-  std::vector<Source> sources(int64_t y) const {
+  std::vector<Source> sources(int64_t y, size_t count) const {
     std::vector<Source> made;
     for (const RowWindow& in : windows_) {
       Source source;
       source.channels = in.planes;
-      for (size_t i = 0; i < source.rows.size(); ++i) {
+      for (size_t i = 0; i < count; ++i) {
         const int64_t row = y + int64_t(i);
         source.rows[i] =
             row < 0 || row >= in.height ? PlanarRow{zeros_.data() + kPixelStep, 0} : in.planar(row);
@@ -65,11 +65,13 @@ class DirectConvolutionStep : public Step {
         weights_(packed_weights<PackedConvolution>(op, context)) {}
 
   void run(int64_t begin, int64_t end) override {
-    for_each_stretch(context_.threads, begin, end, padded(out_.width), kStretch,
-                     [&](int64_t y, int64_t x, int64_t count, int) {
-                       convolve({&weights_, inputs_.sources<ConvolutionSource>(y - 1), out_.row(y),
-                                 out_.pitch, x, x + count, out_.width, float(op_.slope)});
-                     });
+    for_each_stretch(
+        context_.threads, begin, end, padded(out_.width), kStretch,
+        [&](int64_t y, int64_t x, int64_t count, int) {
+          convolve({&weights_, inputs_.sources<ConvolutionSource>(y - 1, 3), out_.row(y), out_.pitch, x,
+                    x + count, out_.width, op_.slope == 1 ? Activation::none : Activation::leaky_relu,
+                    float(op_.slope)});
+        });
   }
 
  private:
@@ -103,22 +105,21 @@ class TiledConvolutionStep : public Step {
   }
 
   void run(int64_t begin, int64_t end) override {
-    for_each_stretch(context_.threads, begin / 2, (end + 1) / 2, padded(out_.width), kWinogradPixels,
-                     [&](int64_t pair, int64_t x, int64_t count, int thread) {
-                       const int64_t y = 2 * pair;
-                       const auto row = [&](int64_t at) {
-                         return at >= begin && at < end ? out_.row(at) : nullptr;
-                       };
-                       convolve(TileRows<Weights>{&weights_,
-                                                  inputs_.sources<WinogradSource>(y - 1),
-                                                  {row(y), row(y + 1)},
-                                                  out_.pitch,
-                                                  x,
-                                                  x + count,
-                                                  out_.width,
-                                                  float(op_.slope)},
-                                scratch_[size_t(thread)]);
-                     });
+    for_each_stretch(
+        context_.threads, begin / 2, (end + 1) / 2, padded(out_.width), kWinogradPixels,
+        [&](int64_t pair, int64_t x, int64_t count, int thread) {
+          const int64_t y = 2 * pair;
+          const auto row = [&](int64_t at) { return at >= begin && at < end ? out_.row(at) : nullptr; };
+          convolve(TileRows<Weights>{&weights_,
+                                     inputs_.sources<WinogradSource>(y - 1, WinogradSource().rows.size()),
+                                     {row(y), row(y + 1)},
+                                     out_.pitch,
+                                     x,
+                                     x + count,
+                                     out_.width,
+                                     float(op_.slope)},
+                   scratch_[size_t(thread)]);
+        });
   }
 
  private:

@@ -38,7 +38,7 @@ std::vector<NetworkConfig> configs_of_all_choices() {
   std::vector<NetworkConfig> configs;
   for (NetworkConfig config : every_config())
     for (int choices = 0; choices < 16; ++choices) {
-      config.exposure_normalisation = (choices & 1) != 0;
+      config.exposure_normalisation = (choices & 1) != 0 && may_be_exposed(config);
       config.means = (choices & 2) != 0 && works_on_pixels(config);
       config.unet.upsampling = (choices & 4) != 0 ? "nearest" : "bilinear";
       if (has_layers(config)) config.layers = (choices & 8) != 0 ? 1 : 3;

@@ -80,7 +80,7 @@ TEST(Modulators, AreMeanAndRelativeVarianceOfTheValidSamples) {
 
 // Of the same weights, whatever beta: a constant reflectance is divided out and multiplied back.
 TEST(Demodulation, ByAConstantChangesNothingButRounding) {
-  for (const std::string& name : networks_that_filter()) {
+  for (const std::string& name : averaging_networks()) {
     NetworkConfig config = demodulating(name);
     const auto network = small_network(config, torch::kFloat64);
     const Tensor radiance = random_uniform({1, 4, 3, 7, 6}, 3, 0, 5);
@@ -97,7 +97,7 @@ TEST(Demodulation, ByAConstantChangesNothingButRounding) {
 }
 
 TEST(Demodulation, ATextureUnderConstantLightComesOutAsItIs) {
-  for (const std::string& name : networks_that_filter()) {
+  for (const std::string& name : averaging_networks()) {
     const auto network = small_network(demodulating(name), torch::kFloat32);
     const Tensor a = random_reflectance(4, 9, 7).to(torch::kFloat32);
     const Tensor light = torch::tensor({2.0F, 0.5F, 7.0F}).view({1, 1, 3, 1, 1});
@@ -110,7 +110,7 @@ TEST(Demodulation, ATextureUnderConstantLightComesOutAsItIs) {
 
 // Mirrors and glass have a specular colour and no albedo; lamps and what lies behind everything neither.
 TEST(Demodulation, ALampBesideAWallKeepsItsRadiance) {
-  for (const std::string& name : networks_that_filter()) {
+  for (const std::string& name : averaging_networks()) {
     const auto network = small_network(demodulating(name), torch::kFloat32);
     Tensor a = torch::full({1, 2, 3, 8, 8}, 0.5F);
     Tensor radiance = torch::full({1, 2, 3, 8, 8}, 0.25F);
@@ -128,7 +128,7 @@ TEST(Demodulation, ALampBesideAWallKeepsItsRadiance) {
 }
 
 TEST(Demodulation, HoldsAtTheExtremes) {
-  for (const std::string& name : networks_that_filter()) {
+  for (const std::string& name : averaging_networks()) {
     const auto network = small_network(demodulating(name), torch::kFloat32);
     set_beta(*network, 0);
     for (const float value : {0.0F, 1e-45F, 1e-38F, 1.0F, 65504.0F, 1e30F, 3e38F})
@@ -147,7 +147,7 @@ TEST(Demodulation, HoldsAtTheExtremes) {
 }
 
 TEST(Demodulation, APixelWithoutSamplesReceivesFromItsNeighbours) {
-  for (const std::string& name : networks_that_filter()) {
+  for (const std::string& name : averaging_networks()) {
     const auto network = small_network(demodulating(name), torch::kFloat32);
     const Tensor radiance = torch::full({1, 2, 3, 6, 6}, 3.0F);
     NetworkInput input = surfaces(torch::full_like(radiance, 0.5F), radiance);

@@ -20,7 +20,7 @@ std::vector<NetworkConfig> every_form() {
   std::vector<NetworkConfig> configs;
   for (NetworkConfig& config : every_config()) {
     configs.push_back(config);
-    config.exposure_normalisation = true;
+    config.exposure_normalisation = may_be_exposed(config);
     if (works_on_pixels(config)) config.means = true;
     configs.push_back(config);
   }

@@ -33,6 +33,11 @@ Tensor expected_output(const Network& network, const NetworkInput& input) {
   layout.rejects = config.rejection;
   layout.albedo = first_channel(config.features, "albedo");
   layout.specular = first_channel(config.features, "specular");
+  layout.radiance = first_channel(config.features, "radiance");
+  layout.convolutions = int64_t(config.super_resolution.convolutions.size());
+  layout.tanh = config.super_resolution.activation == "tanh";
+  layout.reads_light = config.super_resolution.light();
+  layout.reads_guides = config.super_resolution.guides();
   const reference::Samples samples = {to_grid(input.features), to_grid(input.radiance), to_grid(input.valid)};
   return to_tensor(reference::network(config.name, samples, parameters, layout)).squeeze(1);
 }

@@ -18,6 +18,7 @@ std::vector<NetworkConfig> means_configs() {
     if (!works_on_pixels(config)) continue;
     config.means = true;
     configs.push_back(config);
+    if (!may_be_exposed(config)) continue;
     config.exposure_normalisation = true;
     configs.push_back(config);
   }

@@ -17,6 +17,8 @@ inline NetworkConfig small_config() {
   config.unet.bottleneck = {7};
   config.unet.decoder = {{6}, {5, 4}};
   config.unet.context = 3;
+  config.super_resolution.convolutions = {6, 5};
+  config.super_resolution.denoiser = 4;
   return config;
 }
 

@@ -22,6 +22,7 @@ inline std::vector<NetworkConfig> every_config() {
     demodulating.features = {"radiance", "specular", "depth", "albedo"};
     demodulating.demodulation = "albedo";
     demodulating.logit_bound = 4;
+    demodulating.super_resolution.activation = "relu";
     demodulating.rejection = network_traits(name).filter == Filter::splat;
     if (network_traits(name).remembers) demodulating.features.emplace_back("flow");
     configs.push_back(demodulating);
@@ -62,6 +63,34 @@ inline bool has_layers(const NetworkConfig& config) {
 
 inline bool works_on_pixels(const NetworkConfig& config) {
   return network_traits(config.name).sources == Sources::pixels;
+}
+
+/// Whether what it makes is a weighted mean of the samples, whatever its weights.
+inline bool averages(const NetworkConfig& config) {
+  const NetworkTraits& traits = network_traits(config.name);
+  return traits.upscaling == 1 && traits.filter != Filter::none;
+}
+
+/// every_config() of those.
+inline std::vector<NetworkConfig> averaging_configs() {
+  std::vector<NetworkConfig> configs;
+  for (NetworkConfig& config : every_config())
+    if (averages(config)) configs.push_back(std::move(config));
+  return configs;
+}
+
+/// The names of all that do.
+inline std::vector<std::string> averaging_networks() {
+  std::vector<std::string> names;
+  for (const std::string& name : network_names())
+    if (network_traits(name).upscaling == 1 && network_traits(name).filter != Filter::none)
+      names.push_back(name);
+  return names;
+}
+
+/// Whether it may see radiance as exposed.
+inline bool may_be_exposed(const NetworkConfig& config) {
+  return network_traits(config.name).upscaling == 1;
 }
 
 inline bool generates_kernels(const NetworkConfig& config) {
@@ -125,6 +154,9 @@ inline std::shared_ptr<Network> small_network(const NetworkConfig& config, torch
   for (auto& parameter : network->parameters())
     if (parameter.dim() == 1) parameter.copy_(random_normal(parameter.sizes(), index++, 0.3));
   auto named = network->named_parameters();
+  // Predicted colours within the range of the tone map, beyond which a gradient is one that pulls back.
+  if (auto* weight = named.find("super_resolution.2.weight")) weight->mul_(0.15);
+  if (auto* bias = named.find("super_resolution.2.bias")) bias->mul_(0.2).add_(0.6);
   if (auto* weight = named.find("rejection.weight.0.weight"))
     weight->copy_(random_normal(weight->sizes(), 99, 0.05));
   if (auto* weight = named.find("history.gate.1.weight"))

@@ -109,7 +109,7 @@ TEST(Convolution, IsThePlainSumAtEverySizeOnEveryInstructionSet) {
         Picture result(outputs, width, 3, 3);
         for (int64_t y = 0; y < 3; ++y)
           convolve({&packed, given.sources<ConvolutionSource>(y - 1), result.window.row(y),
-                    result.window.pitch, 0, padded(width), width, true});
+                    result.window.pitch, 0, padded(width), width, Activation::leaky_relu});
         given.expect(result, 2e-6, set);
       }
   }

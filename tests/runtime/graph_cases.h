@@ -64,6 +64,7 @@ inline std::vector<NetworkConfig> graph_configs() {
       configs.push_back(config);
     }
   for (NetworkConfig config : std::vector<NetworkConfig>(configs)) {
+    if (!may_be_exposed(config)) continue;
     config.exposure_normalisation = true;
     configs.push_back(config);
   }

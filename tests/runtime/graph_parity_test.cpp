@@ -74,6 +74,56 @@ TEST(GraphParity, WhateverTheUnitsOfTheLight) {
     }
 }
 
+/// With radiance of half resolution, of a picture of its own.
+Frame half_lit_frame(int width, int height, int spp) {
+  const Frame plain = uneven_frame(width, height, spp),
+              half = uneven_frame((width + 1) / 2, (height + 1) / 2, spp);
+  Frame frame(width, height, spp, kAllChannels);
+  frame.info = plain.info;
+  frame.valid = plain.valid;
+  for (int s = 0; s < spp; ++s)
+    for (size_t p = 0; p < frame.plane_size(); ++p) {
+      for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[p] = plain.plane(s, c)[p];
+      const size_t from = p / size_t(width) / 2 * size_t(half.width) + p % size_t(width) / 2;
+      for (int c = 0; c < 3 && frame.valid_plane(s)[p] != 0; ++c) {
+        frame.plane(s, kHalfRadianceOffset + c)[p] = half.plane(s, c)[from];
+        frame.plane(s, kPositionOffset + c)[p] = plain.plane(s, kNormalOffset + c)[p];
+      }
+    }
+  frame.features = plain.features;
+  for (const char* name : {"half_radiance", "position"}) frame.features.emplace_back(name);
+  return frame;
+}
+
+TEST(GraphParity, OfSuperResolutionInAllItsForms) {
+  for (const std::vector<std::string>& features :
+       {std::vector<std::string>{"half_radiance", "position", "normal", "albedo", "roughness"},
+        {"albedo", "half_radiance"},
+        {"albedo", "depth", "radiance", "specular"}})
+    for (const char* reads : {"light", "guides", "both"})
+      for (const bool demodulates : {false, true})
+        for (const auto& [width, height, spp] :
+             {std::tuple(1, 1, 1), std::tuple(7, 5, 3), std::tuple(34, 71, 2), std::tuple(1031, 6, 1)}) {
+          NetworkConfig config = small_config();
+          config.name = "espcn_kpcn";
+          config.features = features;
+          config.super_resolution.reads = reads;
+          config.super_resolution.activation = demodulates ? "relu" : "tanh";
+          if (demodulates) config.demodulation = "albedo";
+          const auto network = small_network(config, torch::kFloat32);
+          const Frame frame = half_lit_frame(width, height, spp);
+          const Image expected = in_torch(*network, frame);
+          const float largest = *std::max_element(expected.pixels.begin(), expected.pixels.end());
+          if (width > 1) {  // the first pixel has no samples
+            ASSERT_GT(largest, 0);
+          }
+          EXPECT_LE(largest_difference(in_runtime(config, weights_of(*network), frame, {}), expected),
+                    1e-5F * largest)
+              << features[0] << ", " << reads << (demodulates ? ", demodulating" : "") << ", " << width
+              << " x " << height << " at " << spp;
+        }
+}
+
 TEST(GraphParity, TheExposureIsThatOfTheNetworks) {
   Frame frame = uneven_frame(45, 39, 3);
   const auto in_networks = [&] {

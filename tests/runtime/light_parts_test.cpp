@@ -10,6 +10,14 @@
 namespace ld {
 namespace {
 
+/// Of networks that filter, so that parts go the way of the whole.
+std::vector<NetworkConfig> graphs_of_parts() {
+  std::vector<NetworkConfig> configs;
+  for (NetworkConfig& config : graph_configs())
+    if (averages(config)) configs.push_back(std::move(config));
+  return configs;
+}
+
 /// Splits the radiance of a frame in three parts, by shares of every channel that add up to 1 and of which
 /// one may be negative, and gives it an alpha.
 void split_light(Frame& frame) {
@@ -64,7 +72,7 @@ bool all_finite(const Image& image) {
 
 TEST(LightParts, SumToThePictureWhoseBitsTheyLeave) {
   double worst = 0;
-  for (const NetworkConfig& config : graph_configs()) {
+  for (const NetworkConfig& config : graphs_of_parts()) {
     const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
     for (const auto& [width, height, spp] :
          {std::tuple(1, 1, 1), std::tuple(1, 1, 64), std::tuple(7, 5, 3), std::tuple(33, 70, 2),
@@ -85,7 +93,7 @@ TEST(LightParts, SumToThePictureWhoseBitsTheyLeave) {
 }
 
 TEST(LightParts, NothingAllAndConstantsComeOutAsThat) {
-  for (const NetworkConfig& config : graph_configs()) {
+  for (const NetworkConfig& config : graphs_of_parts()) {
     const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
     Frame frame = uneven_frame(45, 39, 3);
     frame.add_part("nothing");
@@ -110,7 +118,7 @@ TEST(LightParts, NothingAllAndConstantsComeOutAsThat) {
 }
 
 TEST(LightParts, WhateverTheUnitsOfTheLight) {
-  for (const NetworkConfig& config : graph_configs())
+  for (const NetworkConfig& config : graphs_of_parts())
     for (const float factor : {1e-38F, 1e-30F, 1e30F, 1e35F, 1e36F}) {
       const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
       Frame frame = uneven_frame(23, 17, 2);
@@ -126,7 +134,7 @@ TEST(LightParts, WhateverTheUnitsOfTheLight) {
 
 // Parts that cancel are far larger than what they sum to, in single samples or everywhere.
 TEST(LightParts, StayFiniteWhateverTheyAre) {
-  for (const NetworkConfig& config : graph_configs()) {
+  for (const NetworkConfig& config : graphs_of_parts()) {
     const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
     Frame frame = uneven_frame(23, 17, 2);
     const Image expected = in_runtime(config, weights, frame);
@@ -161,7 +169,7 @@ TEST(LightParts, StayFiniteWhateverTheyAre) {
 }
 
 TEST(LightParts, RowsAtATimeAndThreadsChangeNoBit) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : averaging_configs()) {
     const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
     Frame frame = uneven_frame(301, 40, 1);
     split_light(frame);
@@ -173,8 +181,15 @@ TEST(LightParts, RowsAtATimeAndThreadsChangeNoBit) {
   }
 }
 
+TEST(LightParts, OfANetworkThatPredictsColoursAreRefused) {
+  NetworkConfig config = small_config();
+  config.name = "espcn_kpcn";
+  EXPECT_ERROR(network_graph(config, {1, false}), "predicts colours");
+  EXPECT_ERROR(network_graph(config, {0, true}), "predicts colours");
+}
+
 TEST(LightParts, OfAFrameThatHasFewerAreAnError) {
-  const NetworkConfig config = every_config()[0];
+  const NetworkConfig config = averaging_configs()[0];
   const NamedWeights weights = weights_of(*small_network(config, torch::kFloat32));
   const Frame frame = random_frame(5, 4, 2);
   const graph::Graph one = network_graph(config, {1, false}), alpha = network_graph(config, {0, true});

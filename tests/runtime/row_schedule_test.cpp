@@ -104,6 +104,12 @@ TEST(Reach, IsWhatTheOperatorsOfSeveralResolutionsRead) {
       return std::pair(row, row + 1);
     });
   }
+  for (const graph::Operator& op :
+       {graph::Operator(graph::SpaceToDepth{}), graph::Operator(graph::HalveLight{})})
+    expect_reach(op, 9, 5, [](int64_t y) { return std::pair(2 * y, 2 * y + 1); });
+  expect_reach(graph::DepthToSpace{}, 5, 9, [](int64_t y) { return std::pair(y / 2, y / 2); });
+  expect_reach(graph::EdgeConvolution{"", 5}, 9, 9, [](int64_t y) { return std::pair(y - 2, y + 2); });
+  expect_reach(graph::GatherTaps{3}, 9, 9, [](int64_t y) { return std::pair(y - 1, y + 1); });
   expect_reach(graph::Halve{}, 9, 5, [](int64_t y) { return std::pair(2 * y, 2 * y + 1); });
   expect_reach(graph::Received{5}, 9, 9, [](int64_t y) { return std::pair(y - 2, y + 2); });
   expect_reach(graph::Blur{7}, 9, 9, [](int64_t y) { return std::pair(y - 3, y + 3); });

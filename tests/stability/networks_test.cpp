@@ -40,7 +40,7 @@ TEST(Networks, OutputAndGradientsStayFiniteAtEveryExtremeUnderEveryLoss) {
 }
 
 TEST(Networks, AConstantStaysForLogitsOfAnySizeAndOneToEightLayers) {
-  for (NetworkConfig config : every_config())
+  for (NetworkConfig config : averaging_configs())
     for (const int64_t layers :
          has_layers(config) ? std::vector<int64_t>{1, 2, 5, 8} : std::vector<int64_t>{2})
       for (const double scale : {1.0, 10.0, 100.0, 1e3, 1e4}) {
@@ -65,7 +65,7 @@ int64_t reach(const NetworkConfig& config) {
 }
 
 TEST(Networks, TheResultLiesWithinTheSamplesInReach) {
-  for (const NetworkConfig& config : every_config())
+  for (const NetworkConfig& config : averaging_configs())
     for (const double scale : {1.0, 30.0}) {
       const auto network = small_network(config, torch::kFloat32);
       scale_logits(*network, scale);
@@ -88,7 +88,7 @@ TEST(Networks, TheResultLiesWithinTheSamplesInReach) {
 
 // Radiance enters the kernels through the features alone, so with equal features the kernels are fixed.
 TEST(Networks, RadianceTimesAPowerOfTwoIsTheResultTimesItBitForBit) {
-  for (const NetworkConfig& config : every_config()) {
+  for (const NetworkConfig& config : averaging_configs()) {
     const auto network = small_network(config, torch::kFloat32);
     NetworkInput input = random_input(config, 1, 3, 12, 13, torch::kFloat32);
     const c10::InferenceMode no_graph;

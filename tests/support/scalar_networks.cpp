@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "tests/support/scalar_modulation.h"
+#include "tests/support/scalar_super_resolution.h"
 
 namespace ld::reference {
 namespace {
@@ -29,15 +30,6 @@ Grid divide(const Grid& values, const Grid& weight) {
   return out;
 }
 
-/// 1 for pixels that have a valid sample, [B, 1, 1, H, W].
-Grid drawn(const Grid& valid) {
-  Grid out(valid.b, 1, 1, valid.h, valid.w);
-  each(valid, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
-    if (valid(b, s, 0, y, x) != 0) out(b, 0, 0, y, x) = 1;
-  });
-  return out;
-}
-
 /// Eq. 3 to 6.
 Grid filter_layers(const Grid& kernels, const Layers& layers, bool weighted) {
   const Grid radiance = splat(kernels, layers.radiance), weight = splat(kernels, layers.weight);
@@ -58,18 +50,6 @@ struct Filtered {
 FirstHalf first_half(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
   const Grid embedding = fully_connected(samples.features, Grid(), parameters, "sample_reducer.", true);
   return {embedding, unet(masked_mean(embedding, samples.valid), parameters, layout.unet)};
-}
-
-/// c x / (c + |x|) of the first `taps` channels.
-Grid bounded(Grid logits, const NetworkLayout& layout) {
-  const double c = layout.logit_bound;
-  each(logits, [&](int64_t b, int64_t s, int64_t y, int64_t x) {
-    for (int64_t t = 0; t < layout.kernel_size * layout.kernel_size && c > 0; ++t) {
-      double& z = logits(b, s, t, y, x);
-      z = c * z / (c + std::abs(z));
-    }
-  });
-  return logits;
 }
 
 /// exp(-16 sigmoid(w . [E, C] + b)) for each S of the embedding, or 1 without rejection.
@@ -122,24 +102,6 @@ Filtered sample_splat(const Samples& samples, const Parameters& parameters, cons
   const Grid factor = kept(half.embedding, half.context[0], parameters, layout);
   return {divide(total(splat(kernels, scaled(values, factor))), total(splat(kernels, scaled(ones, factor)))),
           half.context[0]};
-}
-
-/// Of the pixels that are `given`.
-Grid gather(const Grid& logits, const Grid& values, const Grid& given) {
-  const auto size = int64_t(std::lround(std::sqrt(double(logits.c))));
-  Grid out(values.b, 1, values.c, values.h, values.w);
-  each(out, [&](int64_t b, int64_t, int64_t y, int64_t x) {
-    double sum = 0;
-    for (int64_t t = 0; t < logits.c; ++t) {
-      const int64_t yy = y + t / size - size / 2, xx = x + t % size - size / 2;
-      if (yy < 0 || yy >= values.h || xx < 0 || xx >= values.w || given(b, 0, 0, yy, xx) == 0) continue;
-      const double weight = std::exp(logits(b, 0, t, y, x));
-      sum += weight;
-      for (int64_t c = 0; c < values.c; ++c) out(b, 0, c, y, x) += weight * values(b, 0, c, yy, xx);
-    }
-    for (int64_t c = 0; c < values.c && sum > 0; ++c) out(b, 0, c, y, x) /= sum;
-  });
-  return out;
 }
 
 FirstHalf first_half_of_pixels(const Samples& samples, const Parameters& parameters,
@@ -280,6 +242,7 @@ Filtered filtered(const std::string& name, const Samples& samples, const Paramet
 
 Grid network(const std::string& name, const Samples& samples, const Parameters& parameters,
              const NetworkLayout& layout) {
+  if (name == "espcn_kpcn") return espcn_kpcn(samples, parameters, layout);
   if (!layout.demodulates) return filtered(name, samples, parameters, layout).picture;
   const Grid a = demodulator(samples.features, layout), of_pixels = statistics(a, samples.valid);
   Samples demodulated = samples;

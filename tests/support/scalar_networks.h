@@ -14,6 +14,10 @@ struct NetworkLayout {
   double logit_bound = 0;              // c of c x / (c + |x|); 0: none
   int64_t albedo = -1, specular = -1;  // first channels, for demodulation; -1: not there
   bool demodulates = false, rejects = false;
+  int64_t radiance = -1;                         // first channel; of super-resolution, whose light it is
+  int64_t convolutions = 0;                      // hidden ones of the super-resolution
+  bool tanh = true;                              // behind them, or ReLU
+  bool reads_light = true, reads_guides = true;  // what it reads
 };
 
 struct Samples {

@@ -115,6 +115,9 @@ struct OptimizerConfig {
   int64_t truncation = 0;  // of networks that remember: frames that a gradient goes back through; 0: the clip
   bool recompute = false;  // of networks that remember: run frames again when their gradients are made, so
                            // that the activations of one frame exist at a time (a third more time)
+  /// Of networks in two stages: which of them learns from what (training/optimizer/stage_scheme.h).
+  std::string scheme = "end_to_end";
+  double head_weight = 1;  // of scheme "two_heads": of the loss of the first stage
   double ema = 0;          // decay of the averaged weights (training/optimizer/weight_average.h); 0: none
 
   template <class Visitor>
@@ -137,6 +140,8 @@ struct OptimizerConfig {
     v.field("accumulate", accumulate, Range{1, 4096});
     v.field("truncation", truncation, Range{0, 1024});
     v.field("recompute", recompute);
+    v.field("scheme", scheme, {"end_to_end", "two_heads", "concurrent", "separate"});
+    v.field("head_weight", head_weight, Range{0, 1e6});
     v.field("ema", ema, Range{0, 0.999999});
   }
 };
