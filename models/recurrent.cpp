@@ -1,9 +1,9 @@
 #include "models/recurrent.h"
 
-#include "core/tone_map.h"
 #include "frame/schema.h"
 #include "models/network_numbers.h"
 #include "ops/expect_tensor.h"
+#include "ops/tone_map_tensor.h"
 #include "ops/weighted_sum.h"
 
 namespace ld {
@@ -18,19 +18,10 @@ Tensor feature_of(const NetworkInput& input, const NetworkConfig& config, const 
   return first < 0 ? Tensor() : input.features.narrow(2, first, find_feature(name).channels);
 }
 
-/// What tone_map() (core/tone_map.h) takes to y >= 0.
-Tensor inverse_tone_map(const Tensor& y) {
-  const Tensor linear = at::where(
-      y.le(0.04045), y / kSrgbSlope<double>,
-      ((y.clamp_min(0.04045) + kSrgbOffset<double>) / kSrgbScale<double>).pow(kSrgbExponent<double>));
-  return at::expm1(linear).clamp(0, kLargestEmission);
-}
-
 /// What each sample's first hit emits, [B, S, 3, H, W].
 Tensor emitted(const NetworkInput& input, const NetworkConfig& config) {
   const Tensor encoded = feature_of(input, config, "emission"), depth = feature_of(input, config, "depth");
-  const Tensor own =
-      encoded.defined() ? inverse_tone_map(encoded.clamp_min(0)) : at::zeros_like(input.radiance);
+  const Tensor own = encoded.defined() ? tone_map_inverse(encoded) : at::zeros_like(input.radiance);
   return depth.defined() ? at::where(depth.ge(1), input.radiance, own) : own;
 }
 

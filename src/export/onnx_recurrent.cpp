@@ -1,5 +1,4 @@
 // What a recurrent autoencoder sees of a frame and hands on to the next (models/recurrent.h).
-#include "core/tone_map.h"
 #include "export/onnx_walk.h"
 #include "models/network_numbers.h"
 
@@ -8,20 +7,6 @@ namespace {
 
 Value fifth_root(OnnxGraph& g, const Value& x) {
   return g.op("Pow", {x, g.number(float(kLightPower))});
-}
-
-/// What the tone map of core/tone_map.h takes to y >= 0. expm1(x) = (u - 1) x / log(u) with the rounded u =
-/// exp(x) (Kahan).
-Value inverse_tone_map(OnnxGraph& g, const Value& y) {
-  constexpr float kLargestExponent = 88.59F;  // of e, which kLargestEmission bounds
-  const Value power =
-      g.op("Pow", {g.mul(g.add(y, g.number(kSrgbOffset<float>)), g.number(1 / kSrgbScale<float>)),
-                   g.number(kSrgbExponent<float>)});
-  const Value linear =
-      g.where(g.op("LessOrEqual", {y, g.number(0.04045F)}), g.mul(y, g.number(1 / kSrgbSlope<float>)), power);
-  const Value x = g.min(linear, g.number(kLargestExponent)), u = g.exp(x), one = g.number(1);
-  const Value rest = g.sub(u, one), small = g.is_zero(rest);
-  return g.where(small, x, g.div(g.mul(rest, x), g.where(small, one, g.log(u))));
 }
 
 }  // namespace
@@ -43,7 +28,7 @@ void to_onnx(const graph::TakeRoots& op, OnnxWalk& at) {
   const Value texture = fifth_root(g, g.where(none, g.number(1), surface));
 
   Value emitted = g.mul(radiance, zero);
-  if (op.emission >= 0) emitted = inverse_tone_map(g, g.max(feature(op.emission, 3), zero));
+  if (op.emission >= 0) emitted = onnx_tone_map_inverse(g, feature(op.emission, 3));
   if (op.depth >= 0)
     emitted = g.where(g.op("Greater", {g.number(1), feature(op.depth, 1)}), emitted, radiance);
   const Value emission = g.min(onnx_masked_mean(g, emitted, valid), g.number(float(kLargestEmission)));

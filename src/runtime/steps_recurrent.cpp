@@ -11,12 +11,6 @@
 namespace ld {
 namespace {
 
-/// What tone_map() takes to y.
-float inverse_tone_map(float y) {
-  if (!(y > 0)) return 0;
-  return std::min(std::expm1(srgb_inverse(y)), float(kLargestEmission));
-}
-
 /// Of TakeRoots.
 struct TakeRootsTile {
   graph::TakeRoots op;
@@ -80,7 +74,7 @@ struct TakeRootsTile {
       std::fill_n(to, pixels, 0.0f);
     } else {
       const float* __restrict encoded = all.plane(first + op.emission + c);
-      for (int64_t x = 0; x < pixels; ++x) to[x] = inverse_tone_map(encoded[x]);
+      for (int64_t x = 0; x < pixels; ++x) to[x] = tone_map_inverse(encoded[x]);
     }
     if (op.depth < 0) return;
     const float* __restrict depth = all.plane(first + op.depth);
