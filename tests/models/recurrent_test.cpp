@@ -216,7 +216,9 @@ TEST(Recurrent, TakesEverySize) {
             .unflatten(0, {t.size(0), t.size(1)});
       };
       const NetworkInput padded = {repeated(input.features), repeated(input.radiance), repeated(input.valid)};
-      EXPECT_TRUE(network->forward(padded, padded_state).narrow(2, 0, h).narrow(3, 0, w).equal(picture));
+      // Powers of the last few numbers of a tensor may round otherwise.
+      const Tensor cropped = network->forward(padded, padded_state).narrow(2, 0, h).narrow(3, 0, w);
+      EXPECT_LE((cropped - picture).abs().max().item<double>(), 1e-5 * picture.max().item<double>());
     }
   }
 }

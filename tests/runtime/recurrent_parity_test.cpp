@@ -73,6 +73,9 @@ void expect_close(const Image& found, const Image& expected, float tolerance, co
     largest = std::max(largest, std::fabs(expected.pixels[i]));
     most = std::max(most, std::fabs(found.pixels[i] - expected.pixels[i]));
   }
+  if (expected.width > 1) {
+    EXPECT_GT(largest, 0) << where;
+  }
   EXPECT_LE(most, tolerance * largest) << where;
 }
 
