@@ -33,6 +33,7 @@ struct AugmentationOptions {
   float exposure = 0;     // stops: radiance is multiplied by 2^u, u uniform in [-exposure, exposure]
   bool colours = false;   // the three channels of all colours alike in any of their six orders
   bool reversal = false;  // half of the clips run backwards in time
+  int multiple = 1;       // of columns and rows where crops begin: what 2x2 pixels share stays together
 };
 
 /// One for all frames of a clip, which have one size. Uniform in flips and turns, and in position where there

@@ -39,21 +39,27 @@ void check_samples(const std::string& frame, int held, const TrainingSetOptions&
         "data.targets: frame {} has 1 sample a pixel; samples as targets need 2 or more, some to denoise and "
         "some to compare with",
         frame);
-  const int usable = options.sample_targets ? held - 1 : held;
+  if (options.noisy == Noisy::others && held < 2)
+    fail_usage(
+        "optimizer.scheme: frame {} has 1 sample a pixel; a first stage that learns from noise needs 2 or "
+        "more, "
+        "some to read and some to compare with; render more, or read 'half_radiance'",
+        frame);
+  const int usable = options.sample_targets || options.noisy == Noisy::others ? held - 1 : held;
   if (usable < options.samples.least)
     fail_usage(
         "data.samples: frame {} has {} samples a pixel{}, fewer than the {} that every batch uses; render "
         "more, or let data.samples begin at {} or less",
-        frame, held, options.sample_targets ? ", one of which must be the target" : "", options.samples.least,
-        usable);
+        frame, held, usable < held ? ", one of which must be the target" : "", options.samples.least, usable);
 }
 
 TrainingSetOptions settle_samples(TrainingSetOptions options, const std::vector<WeightedStore>& sets) {
-  if (!options.sample_targets || !options.samples.all()) return options;
+  if ((!options.sample_targets && options.noisy != Noisy::others) || !options.samples.all()) return options;
   int fewest = std::numeric_limits<int>::max();
   for (const WeightedStore& set : sets)
     for (size_t i = 0; i < set.store->size(); ++i) fewest = std::min(fewest, set.store->spp(i));
-  options.samples = {std::max(fewest / 2, 1), std::max(fewest - 1, 1)};
+  const int most = options.sample_targets ? fewest - 1 : fewest / 2;
+  options.samples = {std::max(fewest / 2, 1), std::max(most, 1)};
   return options;
 }
 
@@ -89,6 +95,10 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
         "data.reversal: the network reads 'flow', the way to the frame before, which a clip that runs "
         "backwards does not know; set data.reversal=false or leave 'flow' out of network.features");
   const int crop = options_.augmentation.crop;
+  if (crop % options_.augmentation.multiple != 0)
+    fail_usage("data.crop: {}, but the network makes {}x{} pixels of one; set it to a multiple of {}", crop,
+               options_.augmentation.multiple, options_.augmentation.multiple,
+               options_.augmentation.multiple);
   for (const WeightedStore& set : sets_)
     for (size_t i = 0; i < set.store->size(); ++i)
       if (set.store->width(i) < crop || set.store->height(i) < crop)
@@ -204,16 +214,20 @@ std::vector<FrameCrop> TrainingSet::draw_clip(const ClipRef& ref, const Slot& sl
   for (size_t t = 0; t < clip.size(); ++t) {
     RandomStream which = slot.stream(options_.seed, kWhich, static_cast<uint32_t>(t));
     const int held = frames[t]->spp;
-    SampleList drawn, targets;
+    SampleList drawn, targets, noisy;
     if (options_.sample_targets) {
       drawn = draw_samples(which, held, std::clamp(samples, 1, held - 1));
       targets = other_samples(held, drawn);
+    } else if (options_.noisy == Noisy::others) {
+      drawn = draw_samples(which, held, std::clamp(samples, 1, held - 1));
     } else if (samples > 0) {
       drawn = draw_samples(which, held, samples);
     }
-    auto checked =
-        store.get_intact(clip[t], frames[t], augmentation.tiles(), targets.empty() ? drawn : SampleList());
-    crops.push_back({std::move(checked), augmentation, std::move(drawn), std::move(targets)});
+    noisy = noisy_samples(options_.noisy, held, drawn);
+    auto checked = store.get_intact(clip[t], frames[t], augmentation.tiles(),
+                                    targets.empty() && noisy.empty() ? drawn : SampleList());
+    crops.push_back(
+        {std::move(checked), augmentation, std::move(drawn), std::move(targets), std::move(noisy)});
   }
   return crops;
 }

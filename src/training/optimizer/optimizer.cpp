@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "training/optimizer/clip_pass.h"
+#include "training/optimizer/stage_scheme.h"
 
 namespace ld {
 namespace {
@@ -62,9 +62,7 @@ double Optimizer::accumulate(TrainingSet& set, int64_t step, const ClipLoss& los
   double sum = 0;
   for (int64_t i = 0; i < config_.accumulate; ++i) {
     Batch batch = set.batch(step * config_.accumulate + i);
-    const torch::Tensor denoised =
-        denoise_clips(*network_, std::move(batch.input), batch.clip, config_.truncation);
-    const torch::Tensor part = loss(denoised, batch.reference, batch.clip) * share;
+    const torch::Tensor part = batch_loss(*network_, batch, loss, config_) * share;
     part.backward();
     sum += part.item<double>();
   }
