@@ -40,8 +40,9 @@ Augmentation random_augmentation(RandomStream& stream, const std::vector<const P
   a.width = std::min(options.crop, frame.width);
   a.height = std::min(options.crop, frame.height);
   const auto draw_position = [&] {
-    a.x = static_cast<int>(stream.below(static_cast<uint32_t>(frame.width - a.width + 1)));
-    a.y = static_cast<int>(stream.below(static_cast<uint32_t>(frame.height - a.height + 1)));
+    const int m = options.multiple;
+    a.x = m * static_cast<int>(stream.below(static_cast<uint32_t>((frame.width - a.width) / m + 1)));
+    a.y = m * static_cast<int>(stream.below(static_cast<uint32_t>((frame.height - a.height) / m + 1)));
   };
   draw_position();
   if (options.candidates > 1) {

@@ -39,6 +39,7 @@ struct AugmentationOptions {
   float tint = 0;         // radiance is multiplied by u for each channel, uniform in [0, tint]; 0: not at all
   float stop = 0;         // so large a share of the clips shows one frame
   float freeze = 0;  // so large a share of the clips stays at one of its frames, but not the first or last
+  int multiple = 1;  // of columns and rows where crops begin: what 2x2 pixels share stays together
 };
 
 /// One for all frames of a clip, which have one size. Uniform in flips and turns, and in position where there

@@ -158,7 +158,8 @@ bool is_colour(const Feature& feature) {
 class CropReader {
  public:
   CropReader(const PackedFrame& frame, const Augmentation& a, const std::vector<std::string>& features,
-             const CropPlanes& planes, const SampleList& samples, const SampleList& targets)
+             const CropPlanes& planes, const SampleList& samples, const SampleList& targets,
+             const SampleList& noisy)
       : frame_(frame),
         a_(a),
         map_(a, frame),
@@ -166,6 +167,7 @@ class CropReader {
         sources_(sources_of(frame, features)),
         samples_(frame.chosen(samples)),
         targets_(targets.empty() ? targets : frame.chosen(targets)),
+        noisy_(noisy.empty() ? noisy : frame.chosen(noisy)),
         tables_(tables_of(a, sources_)),
         plane_(static_cast<size_t>(a.width) * static_cast<size_t>(a.height)),
         values_(static_cast<size_t>(frame.channels()) * kTilePixels) {}
@@ -188,17 +190,23 @@ class CropReader {
       std::copy_n(valid + s * kTilePixels, kTilePixels, encoded_.begin());
       put(encoded_.data(), planes_.valid + i * plane_);
     }
-    const float* reference = frame_.reference + tile * PackedFrame::kTileReference;
-    if (!targets_.empty()) reference = mean_of_targets(samples, valid, reference);
-    for (int c = 0; c < 3; ++c)
-      put_exposed(reference + tile_plane(colour(c)), c, planes_.reference + static_cast<size_t>(c) * plane_);
+    const float* const reference = frame_.reference + tile * PackedFrame::kTileReference;
+    put_colours(targets_.empty() ? reference : mean_of(targets_, samples, valid, reference),
+                planes_.reference);
+    if (!noisy_.empty()) put_colours(mean_of(noisy_, samples, valid, reference), planes_.noisy);
   }
 
  private:
-  const float* mean_of_targets(const uint16_t* samples, const uint8_t* valid, const float* otherwise) {
+  void put_colours(const float* colours, float* planes) {
+    for (int c = 0; c < 3; ++c)
+      put_exposed(colours + tile_plane(colour(c)), c, planes + static_cast<size_t>(c) * plane_);
+  }
+
+  const float* mean_of(const SampleList& list, const uint16_t* samples, const uint8_t* valid,
+                       const float* otherwise) {
     target_.fill(0);
     drawn_.fill(0);
-    for (const int s : targets_) {
+    for (const int s : list) {
       half_to_float(samples + static_cast<size_t>(s) * values_.size(), values_.data(), target_.size());
       const uint8_t* mask = valid + tile_plane(s);
       for (size_t p = 0; p < kTilePixels; ++p) drawn_[p] += mask[p];
@@ -255,7 +263,7 @@ class CropReader {
   const PixelMap map_;
   const CropPlanes planes_;
   const std::vector<Source> sources_;
-  const SampleList samples_, targets_;
+  const SampleList samples_, targets_, noisy_;
   const ToneMapTables tables_;  // of each channel
   const size_t plane_;          // floats of a plane of the result
   std::vector<float> values_;   // of all channels of one sample of the tile, in the units of the files
@@ -270,8 +278,8 @@ class CropReader {
 
 void read_crop(const PackedFrame& frame, const Augmentation& augmentation,
                const std::vector<std::string>& features, const CropPlanes& planes, const SampleList& samples,
-               const SampleList& targets) {
-  CropReader reader(frame, augmentation, features, planes, samples, targets);
+               const SampleList& targets, const SampleList& noisy) {
+  CropReader reader(frame, augmentation, features, planes, samples, targets, noisy);
   const TileRange range = augmentation.tiles();
   for (int y = range.y0; y < range.y1; ++y)
     for (int x = range.x0; x < range.x1; ++x) reader.read(x, y);

@@ -90,15 +90,18 @@ Batch make_batch(const std::vector<FrameCrop>& crops, const std::vector<std::str
   batch.input.radiance = torch::empty({count, spp, 3, height, width});
   batch.input.valid = torch::empty({count, spp, 1, height, width});
   batch.reference = torch::empty({count, 3, height, width});
+  if (!crops[0].noisy.empty()) batch.noisy = torch::empty({count, 3, height, width});
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   for (size_t b = 0; b < crops.size(); ++b) {
     const auto planes_of = [&](torch::Tensor& tensor, int planes) {
       return tensor.data_ptr<float>() + b * static_cast<size_t>(spp * planes) * pixels;
     };
-    const CropPlanes planes = {planes_of(batch.input.features, channels), planes_of(batch.input.radiance, 3),
-                               planes_of(batch.input.valid, 1),
-                               batch.reference.data_ptr<float>() + b * 3 * pixels};
-    read_crop(*crops[b].frame, crops[b].augmentation, features, planes, crops[b].samples, crops[b].targets);
+    const CropPlanes planes = {
+        planes_of(batch.input.features, channels), planes_of(batch.input.radiance, 3),
+        planes_of(batch.input.valid, 1), batch.reference.data_ptr<float>() + b * 3 * pixels,
+        batch.noisy.defined() ? batch.noisy.data_ptr<float>() + b * 3 * pixels : nullptr};
+    read_crop(*crops[b].frame, crops[b].augmentation, features, planes, crops[b].samples, crops[b].targets,
+              crops[b].noisy);
     const size_t drawn = crops[b].sample_count(), missing = static_cast<size_t>(spp) - drawn;
     for (const auto& [plane, count_of_planes] :
          {std::pair(planes.features, channels), std::pair(planes.radiance, 3), std::pair(planes.valid, 1)})

@@ -23,8 +23,9 @@ NetworkInput make_network_input(const std::vector<Frame>& frames, const std::vec
 /// that keeps nothing from frame to frame trains on clips as on so many single frames.
 struct Batch {
   NetworkInput input;
-  torch::Tensor reference;  // [B T, 3, H, W] linear
-  int64_t clip = 1;         // T
+  torch::Tensor reference;   // [B T, 3, H, W] linear
+  int64_t clip = 1;          // T
+  torch::Tensor noisy = {};  // [B T, 3, H, W] linear: samples that the network does not see; or undefined
 
   /// The same memory as [B, T, ...], of any of these tensors.
   torch::Tensor by_clip(const torch::Tensor& folded) const { return folded.unflatten(0, {-1, clip}); }
@@ -36,6 +37,7 @@ struct FrameCrop {
   Augmentation augmentation;
   SampleList samples = {};
   SampleList targets = {};  // whose mean takes the place of the reference; none: the frame's reference
+  SampleList noisy = {};    // whose mean is Batch::noisy; none in all crops of a batch: there is none
 
   size_t sample_count() const { return samples.empty() ? static_cast<size_t>(frame->spp) : samples.size(); }
 };

@@ -1,6 +1,7 @@
 #include "dataset/sample_draw.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace ld {
 namespace {
@@ -35,6 +36,17 @@ SampleList draw_samples(RandomStream& stream, int held, int count) {
   SampleList samples(order.begin(), order.begin() + count);
   std::sort(samples.begin(), samples.end());
   return samples;
+}
+
+SampleList noisy_samples(Noisy noisy, int held, const SampleList& drawn) {
+  if (noisy == Noisy::none) return {};
+  SampleList all(static_cast<size_t>(held));
+  std::iota(all.begin(), all.end(), 0);
+  const SampleList& read = drawn.empty() ? all : drawn;
+  if (noisy == Noisy::same) return read;
+  SampleList others = other_samples(held, read);
+  others.resize(std::min(others.size(), read.size()));
+  return others;
 }
 
 SampleList other_samples(int held, const SampleList& samples) {

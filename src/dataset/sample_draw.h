@@ -25,6 +25,14 @@ double mean_sample_count(const SampleRange& range);
 /// there are no more than `count`.
 SampleList draw_samples(RandomStream& stream, int held, int count);
 
+/// Noisy pictures beside those that a network reads, for what learns from noise: none; of the frame's other
+/// samples, as many as are read; or of the same samples, whose light is then not read.
+enum class Noisy { none, others, same };
+
+/// Which samples those are, where a network reads the samples `drawn`, all of them where that is empty; there
+/// may be none left.
+SampleList noisy_samples(Noisy noisy, int held, const SampleList& drawn);
+
 /// The samples 0 ... held - 1 that are not in the ascending list.
 SampleList other_samples(int held, const SampleList& samples);
 

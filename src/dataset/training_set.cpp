@@ -39,21 +39,27 @@ void check_samples(const std::string& frame, int held, const TrainingSetOptions&
         "data.targets: frame {} has 1 sample a pixel; samples as targets need 2 or more, some to denoise and "
         "some to compare with",
         frame);
-  const int usable = options.sample_targets ? held - 1 : held;
+  if (options.noisy == Noisy::others && held < 2)
+    fail_usage(
+        "optimizer.scheme: frame {} has 1 sample a pixel; a first stage that learns from noise needs 2 or "
+        "more, "
+        "some to read and some to compare with; render more, or read 'half_radiance'",
+        frame);
+  const int usable = options.sample_targets || options.noisy == Noisy::others ? held - 1 : held;
   if (usable < options.samples.least)
     fail_usage(
         "data.samples: frame {} has {} samples a pixel{}, fewer than the {} that every batch uses; render "
         "more, or let data.samples begin at {} or less",
-        frame, held, options.sample_targets ? ", one of which must be the target" : "", options.samples.least,
-        usable);
+        frame, held, usable < held ? ", one of which must be the target" : "", options.samples.least, usable);
 }
 
 TrainingSetOptions settle_samples(TrainingSetOptions options, const std::vector<WeightedStore>& sets) {
-  if (!options.sample_targets || !options.samples.all()) return options;
+  if ((!options.sample_targets && options.noisy != Noisy::others) || !options.samples.all()) return options;
   int fewest = std::numeric_limits<int>::max();
   for (const WeightedStore& set : sets)
     for (size_t i = 0; i < set.store->size(); ++i) fewest = std::min(fewest, set.store->spp(i));
-  options.samples = {std::max(fewest / 2, 1), std::max(fewest - 1, 1)};
+  const int most = options.sample_targets ? fewest - 1 : fewest / 2;
+  options.samples = {std::max(fewest / 2, 1), std::max(most, 1)};
   return options;
 }
 
@@ -98,6 +104,10 @@ TrainingSet::TrainingSet(std::vector<WeightedStore> sets, std::vector<std::strin
     fail_usage("data.stop={:g} and data.freeze={:g} are more than all clips; expected a sum of at most 1",
                augmentation.stop, augmentation.freeze);
   const int crop = options_.augmentation.crop;
+  if (crop % options_.augmentation.multiple != 0)
+    fail_usage("data.crop: {}, but the network makes {}x{} pixels of one; set it to a multiple of {}", crop,
+               options_.augmentation.multiple, options_.augmentation.multiple,
+               options_.augmentation.multiple);
   for (const WeightedStore& set : sets_)
     for (size_t i = 0; i < set.store->size(); ++i)
       if (set.store->width(i) < crop || set.store->height(i) < crop)
@@ -197,7 +207,8 @@ std::string TrainingSet::describe(int64_t first, int64_t count) const {
 
 /// How many of a frame's samples enter; 0: all.
 int TrainingSet::input_samples(int held, int samples) const {
-  return options_.sample_targets ? std::clamp(samples, 1, held - 1) : samples;
+  const bool spares_one = options_.sample_targets || options_.noisy == Noisy::others;
+  return spares_one ? std::clamp(samples, 1, held - 1) : samples;
 }
 
 /// What there is of a frame that a clip stays at: its noise instances, and of each as many groups of samples
@@ -255,9 +266,11 @@ std::vector<FrameCrop> TrainingSet::draw_clip(const ClipRef& ref, const Slot& sl
     const auto frame = noise.frame == clip[t] ? frames[t] : store.get(noise.frame);
     SampleList targets;
     if (options_.sample_targets) targets = other_samples(frame->spp, noise.samples);
+    SampleList noisy = noisy_samples(options_.noisy, frame->spp, noise.samples);
     auto checked = store.get_intact(noise.frame, frame, augmentation.tiles(),
-                                    targets.empty() ? noise.samples : SampleList());
-    crops.push_back({std::move(checked), augmentation, std::move(noise.samples), std::move(targets)});
+                                    targets.empty() && noisy.empty() ? noise.samples : SampleList());
+    crops.push_back(
+        {std::move(checked), augmentation, std::move(noise.samples), std::move(targets), std::move(noisy)});
   }
   return crops;
 }

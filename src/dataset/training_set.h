@@ -22,6 +22,7 @@ struct TrainingSetOptions {
   AugmentationOptions augmentation;
   SampleRange samples;                // how many of a frame's samples a batch uses (dataset/sample_draw.h)
   bool sample_targets = false;        // a frame's other samples are the target, in place of its reference
+  Noisy noisy = Noisy::none;          // what batches have as Batch::noisy
   std::vector<std::string> optional;  // features that crops may lack, each in a share `drop` of them
   double drop = 0;
   int clip = 1;  // frames of each crop that follow one another (dataset/clips.h)
@@ -47,10 +48,10 @@ struct WeightedStore {
 class TrainingSet {
  public:
   /// With `sample_targets`, `samples` of 0 and 0 stand for half of the fewest samples of a frame up to all
-  /// but one of them. Throws UsageError when a set has no clip, an epoch has fewer than a batch, a frame is
-  /// smaller than the crop or has fewer samples than `samples.least` and a target need, there are more
-  /// processes than crops in a batch, or clips are to run backwards whose `flow` tells the way to the frame
-  /// before.
+  /// but one of them, with noisy pictures of others for half of them. Throws UsageError when a set has no
+  /// clip, an epoch has fewer than a batch, a frame is smaller than the crop or has fewer samples than
+  /// `samples.least` and a target need, there are more processes than crops in a batch, or clips are to run
+  /// backwards whose `flow` tells the way to the frame before.
   TrainingSet(std::vector<WeightedStore> sets, std::vector<std::string> features, TrainingSetOptions options);
 
   /// What does not fill a step at the end of an epoch is left out of it; where a step takes more crops than

@@ -169,6 +169,9 @@ void Trainer::validate() {
     return;
   }
   const torch::NoGradGuard no_graph;
+  std::optional<FirstStageScore> first_stage;
+  if (const Noisy noisy = noisy_beside(config_.network); noisy != Noisy::none)
+    first_stage = validation_.score_first_stage(network, noisy, group_);
   row_ = result->scores;
   const Filter filter = network_traits(config_.network.name).filter;
   KernelStatistics kernels;
@@ -191,6 +194,11 @@ void Trainer::validate() {
     text += fmt::format(", {} {:.{}f}", metric.title, row_.at(metric.name), metric.digits);
   spdlog::info("step {}: validation loss {:.4f}{}{}", state().step, row_.at("validation_loss"),
                course_.best_is_unsaved() ? " (best)" : "", text);
+  if (first_stage)
+    spdlog::info(
+        "step {}: first stage: PSNR {:.2f} dB against samples that it does not see; their noise "
+        "leaves the reference at {:.2f} dB",
+        state().step, first_stage->psnr, first_stage->floor);
   log_->pictures(state().step, result->pictures);
 }
 

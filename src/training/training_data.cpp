@@ -12,6 +12,7 @@
 #include "dataset/varying_features.h"
 #include "frame/frame_file.h"
 #include "frame/schema.h"
+#include "training/optimizer/stage_scheme.h"
 #include "weights/network_weights.h"
 
 namespace ld {
@@ -54,6 +55,11 @@ NetworkConfig network_of_init(const TrainConfig& config) {
                fmt::join(network.features, ", "),
                left_out.empty() ? "none" : fmt::format("{}", fmt::join(left_out, ", ")));
   return network;
+}
+
+/// Crops at full resolution, of whose light some is at half of it.
+int crop_multiple(const NetworkConfig& network) {
+  return static_cast<int>(network_traits(network.name).upscaling);
 }
 
 std::vector<std::string> found_features(const DataConfig& config) {
@@ -129,8 +135,19 @@ TrainConfig resolve_network(TrainConfig config, const fs::path& run) {
   return config;
 }
 
+Noisy noisy_beside(const NetworkConfig& network) {
+  if (network_traits(network.name).upscaling == 1) return Noisy::none;
+  return first_channel(network.features, "half_radiance") >= 0 ? Noisy::same : Noisy::others;
+}
+
 TrainingSet make_training_set(const TrainConfig& config, int rank, int processes) {
   const DataConfig& data = config.data;
+  if (config.optimizer.scheme != "end_to_end" && network_traits(config.network.name).upscaling == 1)
+    fail_usage(
+        "optimizer.scheme is '{}', but network '{}' has one stage, which learns as a whole; leave it out or "
+        "use "
+        "'espcn_kpcn'",
+        config.optimizer.scheme, config.network.name);
   const std::vector<DataSetConfig> sets = data_sets(data);
   const CacheOptions cache = {data.cache,
                               static_cast<uint64_t>(data.cache_megabytes) * kMegabyte / sets.size()};
@@ -149,9 +166,11 @@ TrainingSet make_training_set(const TrainConfig& config, int rank, int processes
                           data.reversal,
                           static_cast<float>(data.tint),
                           static_cast<float>(data.stop),
-                          static_cast<float>(data.freeze)};
+                          static_cast<float>(data.freeze),
+                          crop_multiple(config.network)};
   options.samples = sample_range(data);
   options.sample_targets = data.sample_targets();
+  if (needs_noisy(config.optimizer)) options.noisy = noisy_beside(config.network);
   options.drop = data.drop;
   options.optional = config.network.optional;
   options.clip = static_cast<int>(data.clip);

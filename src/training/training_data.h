@@ -32,6 +32,10 @@ void fit_to_features(NetworkConfig& network);
 /// UsageError where there is no `init`.
 TrainConfig resolve_network(TrainConfig config, const std::filesystem::path& run);
 
+/// What stands beside the crops of a network in two stages: samples that it does not see, or, where the
+/// frames bring their light at half resolution, the samples themselves; nothing for networks of one stage.
+Noisy noisy_beside(const NetworkConfig& network);
+
 /// With several processes, each reads its own part of every batch.
 TrainingSet make_training_set(const TrainConfig& config, int rank = 0, int processes = 1);
 

@@ -1,9 +1,11 @@
 #include "training/validation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "metrics/metric.h"
+#include "ops/tone_map_tensor.h"
 #include "training/held_out.h"
 
 namespace ld {
@@ -59,16 +61,17 @@ int Validation::samples_of(const FrameOf& frame) const {
 
 /// That part of the frame, with its first samples, or with those that are not this turn's targets.
 Batch Validation::read(const FrameOf& frame, const std::vector<std::string>& features,
-                       const Augmentation& part, int turn) const {
+                       const Augmentation& part, int turn, Noisy noisy) const {
   const std::shared_ptr<const PackedFrame> packed = frame.store->get(frame.index);
   SampleList targets, input;
   if (samples_.targets)
     for (int s = turn; s < packed->spp; s += turns_of(frame)) targets.push_back(s);
   input = other_samples(packed->spp, targets);
   input.resize(static_cast<size_t>(samples_of(frame)));
-  auto intact =
-      frame.store->get_intact(frame.index, packed, part.tiles(), targets.empty() ? input : SampleList());
-  return make_batch({{std::move(intact), part, input, targets}}, features);
+  const bool all = !targets.empty() || noisy == Noisy::others;
+  auto intact = frame.store->get_intact(frame.index, packed, part.tiles(), all ? SampleList() : input);
+  const SampleList beside = noisy_samples(noisy, packed->spp, input);
+  return make_batch({{std::move(intact), part, input, targets, beside}}, features);
 }
 
 const Validation::FrameOf& Validation::largest() const {
@@ -191,6 +194,34 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
   result.scores[kLoss] = *mean++;
   for (const Metric& metric : metrics()) result.scores[metric.name] = *mean++;
   return result;
+}
+
+std::optional<FirstStageScore> Validation::score_first_stage(Network& network, Noisy noisy,
+                                                             ProcessGroup& group) const {
+  const torch::NoGradGuard no_graph;
+  // Sums of squared differences of the first stage and of the reference, and how many.
+  const torch::Tensor sums = torch::zeros({3}, torch::kFloat64);
+  for (const size_t i : frames_of(group)) {
+    const FrameOf& frame = frames_[i];
+    Augmentation whole;
+    whole.width = frame.store->width(frame.index);
+    whole.height = frame.store->height(frame.index);
+    Batch batch = read(frame, network.config().features, whole, /*turn=*/0, noisy);
+    if (!batch.noisy.defined()) continue;
+    const auto shown = [](const torch::Tensor& x) { return tone_map(x).clamp_max(1).to(torch::kFloat64); };
+    const torch::Tensor target = shown(batch.noisy);
+    const auto error = [&](const torch::Tensor& picture) {
+      return (shown(picture.cpu()) - target).square().sum();
+    };
+    sums[1] += error(batch.reference);
+    sums[0] += error(network.stages(std::move(batch.input), SecondReads::first).first);
+    sums[2] += static_cast<double>(target.numel());
+  }
+  group.sum({sums}, "scoring the first stage");
+  const double* sum = sums.data_ptr<double>();
+  if (sum[2] == 0) return std::nullopt;
+  const auto psnr = [&](double square) { return -10 * std::log10(square / sum[2]); };
+  return FirstStageScore{psnr(sum[0]), psnr(sum[1])};
 }
 
 }  // namespace ld

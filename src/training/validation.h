@@ -12,6 +12,7 @@
 
 #include "dataset/frame_store.h"
 #include "dataset/input_tensors.h"
+#include "dataset/sample_draw.h"
 #include "frame/frame.h"
 #include "losses/loss.h"
 #include "models/network.h"
@@ -41,6 +42,13 @@ struct ValidationSamples {
   /// (each one, of fewer than four), so that every sample is a target once. Scores are the means over the
   /// turns.
   bool targets = false;
+};
+
+/// How near the first stage of a network comes to noisy pictures that it does not see, and how near the
+/// reference does: no picture without their noise comes much nearer. PSNR of tone-mapped values in dB, over
+/// all frames.
+struct FirstStageScore {
+  double psnr = 0, floor = 0;
 };
 
 class Validation {
@@ -77,6 +85,10 @@ class Validation {
                                       const Loss& loss, ProcessGroup& group,
                                       const std::function<bool()>& stop) const;
 
+  /// Of a network in two stages, with what stands beside its crops (dataset/sample_draw.h). Collective;
+  /// nullopt where no frame has other samples than those it reads.
+  std::optional<FirstStageScore> score_first_stage(Network& network, Noisy noisy, ProcessGroup& group) const;
+
  private:
   struct FrameOf {
     FrameStore* store;
@@ -87,7 +99,7 @@ class Validation {
   int samples_of(const FrameOf& frame) const;
   int turns_of(const FrameOf& frame) const;
   Batch read(const FrameOf& frame, const std::vector<std::string>& features, const Augmentation& part,
-             int turn = 0) const;
+             int turn = 0, Noisy noisy = Noisy::none) const;
   const FrameOf& largest() const;
   /// The frames of a process, by their numbers in the order in which it denoises them.
   std::vector<size_t> frames_of(const ProcessGroup& group) const;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "training/optimizer/clip_pass.h"
+#include "training/optimizer/stage_scheme.h"
 
 namespace ld {
 namespace {
@@ -61,8 +62,14 @@ double Optimizer::accumulate(TrainingSet& set, int64_t step, const ClipLoss& los
   const double share = set.batch_share() / static_cast<double>(config_.accumulate);
   double sum = 0;
   for (int64_t i = 0; i < config_.accumulate; ++i) {
-    sum += add_gradient(*network_, set.batch(step * config_.accumulate + i), loss, share,
-                        {config_.truncation, config_.recompute});
+    Batch batch = set.batch(step * config_.accumulate + i);
+    if (needs_noisy(config_)) {
+      const torch::Tensor part = batch_loss(*network_, batch, loss, config_) * share;
+      part.backward();
+      sum += part.item<double>();
+    } else {
+      sum += add_gradient(*network_, std::move(batch), loss, share, {config_.truncation, config_.recompute});
+    }
   }
   return sum;
 }
