@@ -71,13 +71,14 @@ NetworkWeights random_weights(const NetworkConfig& config) {
   return network;
 }
 
-NetworkTime measure_network(const NetworkWeights& network, const PictureExtent& picture, int threads,
-                            int repeats) {
+NetworkTime measure_network(const NetworkWeights& network, const PictureExtent& picture, int threads) {
+  constexpr double kEnough = 500;  // ms
   const Frame frame = noise_frame(network.config.features, picture);
   Execution execution(network.graph, network.weights, picture, {threads});
-  execution.run(frame);  // memory is new in the first run
+  const double first = run_ms(execution, frame);  // in which memory is new
+  const double repeats = std::clamp(kEnough / first, 3.0, 15.0);
   std::vector<double> times;
-  for (int i = 0; i < repeats; ++i) times.push_back(run_ms(execution, frame));
+  while (double(times.size()) < repeats) times.push_back(run_ms(execution, frame));
   const auto middle = times.begin() + int64_t(times.size() / 2);
   std::nth_element(times.begin(), middle, times.end());
   return {*middle, 1e-6 * double(execution.memory_bytes())};

@@ -24,10 +24,9 @@ struct NetworkTime {
   double memory_mb = 0;  // of the plan: arena and weights
 };
 
-/// The median of `repeats` frames of random samples after a warm-up. Throws Error where the frame alone would
-/// take more memory than there is.
-NetworkTime measure_network(const NetworkWeights& network, const PictureExtent& picture, int threads,
-                            int repeats);
+/// The median over frames of random samples after a warm-up: of as many as half a second holds, 3 to 15.
+/// Throws Error where the frame alone would take more memory than there is.
+NetworkTime measure_network(const NetworkWeights& network, const PictureExtent& picture, int threads);
 
 /// Rates of the operators: seconds for each unit of work, which is a multiply-add or, of operators that do
 /// none, a number that they make.

@@ -52,9 +52,9 @@ std::vector<std::string> network_sentences(const std::vector<Point>& points, con
     const size_t rung = std::min(rungs[size_t(other)].size(), rungs[winner].size()) - 1;
     const Gain gain = gain_of(rungs[winner][rung], rungs[size_t(other)][rung]);
     texts.push_back(
-        fmt::format("{} in place of {} ({:.3g} ms, {:.3g} ms) {} after {} trainings each: {} dropped.",
+        fmt::format("{} in place of {} ({:.3g} ms, {:.3g} ms) {} after {} training{} each: {} dropped.",
                     capital(words(points[winner])), words(lost), points[winner].time.ms, lost.time.ms,
-                    gain_text(gain), rung + 1, words(lost)));
+                    gain_text(gain), rung + 1, rung == 0 ? "" : "s", words(lost)));
   };
   std::vector<std::string> networks;
   std::set<std::string> sizes;

@@ -37,6 +37,7 @@ Gain gain_of(const std::vector<double>& dearer, const std::vector<double>& cheap
 }
 
 std::string gain_text(const Gain& gain) {
+  if (gain.relative == 0) return "gains nothing";
   const std::string amount =
       fmt::format("{} {:.2g} %", gain.relative < 0 ? "loses" : "gains", 100 * std::fabs(gain.relative));
   if (gain.p) return amount + fmt::format(" (p = {:.2g})", *gain.p);

@@ -19,7 +19,6 @@ namespace ld {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kRepeats = 3;                // of each time that is promised
 constexpr int64_t kCalibrationSide = 256;  // of the frames that rates are measured on
 constexpr int kWrongConfiguration = 2;     // exit code of our programs
 
@@ -123,7 +122,7 @@ std::optional<NetworkTime> Workshop::measure(const std::string& name, const Netw
   if (stop_requested()) return std::nullopt;
   const auto found = times_.find(name);
   if (found != times_.end()) return found->second;
-  const NetworkTime time = measure_network(network, options_.picture, options_.threads, kRepeats);
+  const NetworkTime time = measure_network(network, options_.picture, options_.threads);
   spdlog::info("{}: {:.3g} ms a frame, predicted {:.3g}", name, time.ms,
                costs_.milliseconds(network.config, options_.picture));
   times_[name] = time;

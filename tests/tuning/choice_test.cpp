@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/support/expect_error.h"
 #include "tuning/decisions.h"
 #include "tuning/gain.h"
 
@@ -41,7 +42,7 @@ TEST(TuningGain, OfFewFramesIsJudgedByItsIntervalOrSize) {
   EXPECT_TRUE(gain_of({0.1}, {0.2}).sure);
   EXPECT_FALSE(gain_of({0.1}, {0.101}).sure);
   EXPECT_FALSE(gain_of({0, 0}, {0, 0}).pays());
-  EXPECT_THROW(gain_of({0.1}, {}), Error);
+  EXPECT_ERROR(gain_of({0.1}, {}), "the same frames");
 }
 
 TEST(TuningChoice, IsTheBestWithinTheBudget) {

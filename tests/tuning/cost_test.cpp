@@ -14,7 +14,7 @@ TEST(TuningCost, EveryCandidateRunsAndHasAPrediction) {
   for (size_t i = 0; i < 6; ++i) graphs.push_back(space[i].config.network);
   const CostModel costs(graphs, picture, 1);
   for (const Candidate& candidate : space) {
-    const NetworkTime time = measure_network(random_weights(candidate.config.network), picture, 1, 1);
+    const NetworkTime time = measure_network(random_weights(candidate.config.network), picture, 1);
     EXPECT_GT(time.ms, 0) << candidate.name;
     EXPECT_GT(time.memory_mb, 0) << candidate.name;
     EXPECT_GT(costs.milliseconds(candidate.config.network, picture), 0) << candidate.name;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "frame/schema.h"
 #include "tuning/search.h"
 
 namespace ld {

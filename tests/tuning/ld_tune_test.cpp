@@ -47,7 +47,7 @@ TEST_F(LdTune, FindsAModelThatTheRuntimeRuns) {
   write_file_atomically(score, R"({"smape": [0.0009765625]})");
   const ProgramResult again = tune({"--budget-ms", "10000"});
   ASSERT_EQ(again.exit_code, 0) << again.output;
-  EXPECT_EQ(again.output.find("training "), std::string::npos) << again.output;
+  EXPECT_EQ(again.output.find("] training "), std::string::npos) << again.output;
   EXPECT_NE(again.output.find("0.00098"), std::string::npos) << again.output;
 
   expect_failure(tune({"--budget-ms", "9000"}), 2, {"another search", "budget_ms was 10000", "is 9000"});
