@@ -16,11 +16,6 @@ namespace {
 /// and circle of confusion, of the depth itself for depths. Half floats round at 1/2048.
 constexpr float kRounding = 1e-3F;
 
-bool wider_than_rounding(const std::string& name, float low, float high) {
-  const float unit = name == "depth" ? std::max(std::fabs(low), std::fabs(high)) : 1.0F;
-  return high - low > kRounding * unit;
-}
-
 void widen(FeatureRange& range, const Frame& frame, const Feature& feature) {
   for (int c = 0; c < feature.channels; ++c) {
     float& low = range.low[c];
@@ -52,6 +47,11 @@ std::string effect_of(const std::string& feature) {
 }
 
 }  // namespace
+
+bool wider_than_rounding(const std::string& feature, float low, float high) {
+  const float unit = feature == "depth" ? std::max(std::fabs(low), std::fabs(high)) : 1.0F;
+  return high - low > kRounding * unit;
+}
 
 FeatureVariation::FeatureVariation() {
   for (const std::string& feature : auto_feature_names()) {

@@ -23,6 +23,9 @@ struct FeatureRange {
   bool varies = false;  // some channel ranges over more than rounding does
 };
 
+/// Whether values of this feature from `low` to `high` differ by more than rounding does.
+bool wider_than_rounding(const std::string& feature, float low, float high);
+
 /// Collects ranges frame by frame. The same frames give the same answers in any order.
 class FeatureVariation {
  public:

@@ -11,8 +11,8 @@
 namespace ld {
 namespace {
 
-const std::vector<std::string> kPrograms = {"ld_bench",  "ld_denoise", "ld_eval",   "ld_export",
-                                            "ld_import", "ld_inspect", "ld_render", "ld_train"};
+const std::vector<std::string> kPrograms = {"ld_bench",   "ld_denoise", "ld_eval",  "ld_export", "ld_import",
+                                            "ld_inspect", "ld_render",  "ld_train", "ld_tune"};
 
 size_t longest_number(const std::string& text) {
   size_t longest = 0, length = 0;
