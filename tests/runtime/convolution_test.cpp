@@ -109,7 +109,8 @@ TEST(Convolution, IsThePlainSumAtEverySizeOnEveryInstructionSet) {
         Picture result(outputs, width, 3, 3);
         for (int64_t y = 0; y < 3; ++y)
           convolve({&packed, given.sources<ConvolutionSource>(y - 1), result.window.row(y),
-                    result.window.pitch, 0, padded(width), width, Activation::leaky_relu});
+                    result.window.pitch, 0, padded(width), width, Activation::leaky_relu,
+                    float(kLeakySlope)});
         given.expect(result, 2e-6, set);
       }
   }
@@ -131,7 +132,7 @@ Picture by_tiles(const Case& given, const Weights& weights, bool activated) {
                                  x,
                                  std::min(x + kWinogradPixels, padded(width)),
                                  width,
-                                 activated},
+                                 activated ? float(kLeakySlope) : 1.0F},
                scratch);
   return result;
 }
