@@ -79,9 +79,10 @@ RowSchedule::RowSchedule(const Graph& graph, const PictureExtent& picture, int64
   for (size_t u = 0; u < units_.size(); ++u) eager_.push_back(eager_readers(u));
   // The same walk without doing anything says how many rows have to be there.
   const Walk* at = nullptr;
-  const Run look = [&](size_t unit, int64_t, int64_t end) {
+  const Run look = [&](size_t unit, int64_t begin, int64_t end) {
+    // A step writes all that it makes, what nobody reads, too.
     for (const ValueId output : units_[unit].outputs)
-      capacity_[output] = std::max(capacity_[output], end - at->first_needed(output));
+      capacity_[output] = std::max(capacity_[output], end - std::min(at->first_needed(output), begin));
   };
   Walk walk(*this, look);
   at = &walk;

@@ -38,6 +38,10 @@ class Grouping {
     std::vector<ValueId> kept = graph_.outputs();
     kept.insert(kept.end(), graph_.state.begin(), graph_.state.end());
     for (const ValueId output : kept) add_once(units[producer_[output]].outputs, output);
+    // What works on rows writes all of its outputs, those that nobody reads, too.
+    for (Unit& unit : units)
+      if (const Node& only = graph_.nodes[unit.nodes[0]]; !graph::is_pixelwise(only.op))
+        for (const ValueId output : only.outputs) add_once(unit.outputs, output);
     return units;
   }
 

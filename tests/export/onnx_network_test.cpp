@@ -64,9 +64,18 @@ TEST(OnnxNetwork, EveryOperatorOfEveryGraphIsTranslated) {
       EXPECT_EQ(read.count(node.output(0)), 1U) << title(config) << " makes for nothing " << node.name();
     EXPECT_EQ(size_t(model.graph().input_size()), 3U);
   }
+  // A recurrent network has its state as inputs and outputs.
+  const NetworkConfig recurrent = small_recurrent_config();
+  const graph::Graph graph = network_graph(recurrent);
+  for (const graph::Node& node : graph.nodes) translated.insert(node.op.index());
+  const ZeroWeights weights(graph);
+  const onnx::ModelProto model =
+      parse_onnx(onnx_bytes(onnx_model(recurrent, weights.views)), title(recurrent));
+  EXPECT_EQ(size_t(model.graph().input_size()), 3 + graph.state.size());
+  EXPECT_EQ(size_t(model.graph().output_size()), 1 + graph.state.size());
   // Layers' identity is of views of layers, which are no networks; the next test has it.
   translated.insert(graph::Operator(graph::LayerIdentity{}).index());
-  // Networks that remember are refused.
+  // Networks that warp what they remember are refused.
   for (const graph::Operator& op : {graph::Operator(graph::Recall{}), graph::Operator(graph::Compare{}),
                                     graph::Operator(graph::Remember{})})
     EXPECT_TRUE(translated.insert(op.index()).second);

@@ -120,7 +120,7 @@ TEST(Shots, FlowAfterACutLeadsNowhere) {
   int cuts = 0;
   for (const ManifestFrame& entry : read_manifest(folder.path()).frames) {
     Faults faults;
-    const Frame frame = read_frame(frame_path(folder.path(), entry.name), feature_names(), faults);
+    const Frame frame = read_frame(frame_path(folder.path(), entry.name), {}, faults);
     EXPECT_TRUE(frame.info.world_to_camera);
     if (frame.info.cut) ++cuts;
     for (size_t p = 0; p < frame.plane_size(); ++p)
