@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # Whether ld_tune finds what an exhaustive search over the same grid finds, at a third of its time:
-#   scripts/tuning_study.sh DATA OUT MINUTES BUDGET_MS WIDTHxHEIGHT
+#   scripts/tuning_study.sh DATA OUT MINUTES BUDGET_MS WIDTHxHEIGHT [key.sub=value ...]
 # ld_tune searches for MINUTES. Then each candidate that it admitted trains by itself for an equal share of
 # 3 MINUTES, with all features, and the errors on the validation split are compared.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-[ $# -eq 5 ] || { sed -n '2,5s/^# //p' "$0" >&2; exit 2; }
+[ $# -ge 5 ] || { sed -n '2,5s/^# //p' "$0" >&2; exit 2; }
 data=$1 out=$2 minutes=$3 budget=$4 size=$5
 bin=${BIN:-build/bin}
 mkdir -p "$out"
-"$bin/ld_tune" --data "$data" --budget-ms "$budget" --at "$size" --minutes "$minutes" --out "$out/tuned.safetensors"
+"$bin/ld_tune" --data "$data" --budget-ms "$budget" --at "$size" --minutes "$minutes" --out "$out/tuned.safetensors" "${@:6}"
 
 mapfile -t grid < <(ls "$out"/tuned.safetensors.tune/trials/*_rung0.yaml)
 share=$(python3 -c "print(3 * $minutes / ${#grid[@]})")
