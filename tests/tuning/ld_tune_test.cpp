@@ -56,7 +56,7 @@ TEST_F(LdTune, FindsAModelThatTheRuntimeRuns) {
   expect_failure(tune({"--budget-ms", "9000"}), 2, {"another search", "budget_ms was 10000", "is 9000"});
 }
 
-TEST_F(LdTune, AnInterruptReachesTheTrainingAndTheSearchGoesOn) {
+TEST_F(LdTune, AnInterruptReachesTheTraining) {
   const std::vector<std::string> arguments = {
       "--data", data_.string(), "--out",        out_.string(), "--minutes",   "0.1",   "--threads",
       "1",      "data.crop=8",  "data.batch=1", "steps=400",   "--budget-ms", "10000", "run.log_every=1"};
@@ -69,16 +69,6 @@ TEST_F(LdTune, AnInterruptReachesTheTrainingAndTheSearchGoesOn) {
   EXPECT_NE(program.output().find("the same command goes on"), std::string::npos) << program.output();
   EXPECT_FALSE(std::filesystem::exists(out_));
   EXPECT_FALSE(std::filesystem::exists(trial.string() + ".json"));
-
-  RunningProgram again("ld_tune", arguments);  // whose training continues
-  const auto continues = [&] {
-    const std::filesystem::path log = trial / "train.log";
-    return std::filesystem::exists(log) && read_file(log).find("continuing from") != std::string::npos;
-  };
-  for (int i = 0; i < 600 && !continues(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_TRUE(continues());
-  again.signal(SIGTERM);
-  EXPECT_EQ(again.wait(), 143) << again.output();
 }
 
 TEST_F(LdTune, WhatCannotBeIsOneErrorAndLeavesNoModel) {
