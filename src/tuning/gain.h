@@ -12,9 +12,10 @@ struct Gain {
   std::optional<double> p;  // metrics/statistics.h; none for fewer frames than can tell
   bool sure = false;        // the difference is not one of chance, with kConfidence
 
-  /// A sure gain of kLeastGain: anything else is not worth its price.
-  bool pays() const { return sure && relative >= kLeastGain; }
-  static constexpr double kLeastGain = 0.005;
+  /// A sure gain of kLeastGain: anything else is not worth its price. A doubtful one only from kNoRisk on,
+  /// which too few frames may hide.
+  bool pays() const { return relative >= (sure ? kLeastGain : kNoRisk); }
+  static constexpr double kLeastGain = 0.005, kNoRisk = 0.02;
 };
 
 /// Errors of the same frames in the same order. Sure by Wilcoxon's signed ranks; of two to five frames, whose

@@ -222,7 +222,7 @@ bool Search::decide_features() {
   control.name = found_.name + ", longer";
   found_.minutes = control.minutes;
   std::vector<std::string> kept = found_.candidate.config.network.features;
-  size_t dropped = 0;
+  std::vector<std::string> left_out;  // groups by their first feature
   for (const FeatureGroup& group : groups) {
     std::vector<std::string> others;
     std::copy_if(
@@ -246,11 +246,12 @@ bool Search::decide_features() {
                                        group.features.end();
                               }),
                kept.end());
-    found_.trial = ++dropped == 1 ? name : all;
+    left_out.push_back(group.features[0]);
+    found_.trial = left_out.size() == 1 ? name : all;
   }
-  if (dropped == 0) return true;
+  if (left_out.empty()) return true;
   found_.candidate = with_features(found_.candidate, kept);
-  found_.name = fmt::format("{} of {}", found_.name, fmt::join(kept, ", "));
+  found_.name += fmt::format(" without {}", fmt::join(left_out, ", "));
   return true;
 }
 

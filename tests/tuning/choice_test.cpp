@@ -33,7 +33,7 @@ TEST(TuningGain, IsSureWhereEveryFrameAgrees) {
   EXPECT_TRUE(gain.pays());
   EXPECT_FALSE(gain_of(point("", 0.1, 1).errors, point("", 0.09, 1).errors).pays());
   EXPECT_FALSE(gain_of(point("", 0.0999, 1).errors, point("", 0.1, 1).errors).pays());       // too little
-  EXPECT_FALSE(gain_of(point("", 0.098, 1, 0.02).errors, point("", 0.1, 1).errors).pays());  // not sure
+  EXPECT_FALSE(gain_of(point("", 0.099, 1, 0.02).errors, point("", 0.1, 1).errors).pays());  // not sure
 }
 
 TEST(TuningGain, OfFewFramesIsJudgedByItsIntervalOrSize) {
@@ -53,7 +53,8 @@ TEST(TuningChoice, IsTheBestWithinTheBudget) {
 
 TEST(TuningChoice, IsCheaperWhereTheBestGainsNothingThatPays) {
   EXPECT_EQ(chosen({point("a", 0.1001, 10), point("b", 0.1, 19)}), "a");
-  EXPECT_EQ(chosen({point("a", 0.102, 10, 0.02), point("b", 0.1, 19)}), "a");
+  EXPECT_EQ(chosen({point("a", 0.101, 10, 0.02), point("b", 0.1, 19)}), "a");
+  EXPECT_EQ(chosen({point("a", 0.105, 10, 0.02), point("b", 0.1, 19)}), "b");  // too much to risk
   EXPECT_EQ(chosen({point("a", 0.102, 10), point("b", 0.1, 19)}), "b");
 }
 

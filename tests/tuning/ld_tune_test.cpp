@@ -1,6 +1,9 @@
 // ld_tune as a user starts it, on a data set that is made in a moment.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "core/json_text.h"
 #include "tests/benchmark/xml_check.h"
 #include "tests/support/run_program.h"
@@ -51,6 +54,21 @@ TEST_F(LdTune, FindsAModelThatTheRuntimeRuns) {
   EXPECT_NE(again.output.find("0.00098"), std::string::npos) << again.output;
 
   expect_failure(tune({"--budget-ms", "9000"}), 2, {"another search", "budget_ms was 10000", "is 9000"});
+}
+
+TEST_F(LdTune, AnInterruptReachesTheTraining) {
+  const std::vector<std::string> arguments = {
+      "--data", data_.string(), "--out",        out_.string(), "--minutes",   "0.1",   "--threads",
+      "1",      "data.crop=8",  "data.batch=1", "steps=400",   "--budget-ms", "10000", "run.log_every=1"};
+  const std::filesystem::path trial = work_ / "trials/layer2_fine_k9_rung0";
+  RunningProgram program("ld_tune", arguments);
+  for (int i = 0; i < 600 && !std::filesystem::exists(trial / "metrics.csv"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait(), 130) << program.output();
+  EXPECT_NE(program.output().find("the same command goes on"), std::string::npos) << program.output();
+  EXPECT_FALSE(std::filesystem::exists(out_));
+  EXPECT_FALSE(std::filesystem::exists(trial.string() + ".json"));
 }
 
 TEST_F(LdTune, WhatCannotBeIsOneErrorAndLeavesNoModel) {
