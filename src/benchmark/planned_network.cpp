@@ -8,7 +8,7 @@ namespace ld {
 namespace {
 
 Frame random_frame(const NetworkConfig& config, const PictureExtent& picture) {
-  Frame frame(int(picture.width), int(picture.height), int(picture.samples));
+  Frame frame(int(picture.width), int(picture.height), int(picture.samples), frame_channels(config.features));
   frame.features = config.features;
   frame.info.depth_scale = 0.5f;
   for (const std::string& name : config.features) {

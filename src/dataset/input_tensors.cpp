@@ -28,6 +28,10 @@ void encode_frame(const Frame& frame, const std::vector<std::string>& names, flo
       if (plane < count) {
         const auto& [feature, channel] = channels[size_t(plane)];
         float* out = features + (s * count + plane) * pixels;
+        if (channel >= frame.channels) {  // frames end with the last feature that they hold
+          std::fill_n(out, pixels, 0.0F);
+          continue;
+        }
         encode(*feature, frame.info.depth_scale, frame.plane(s, channel), out, size_t(pixels));
         for (int64_t p = 0; p < pixels; ++p)
           if (drawn[p] == 0) out[p] = 0;

@@ -1,5 +1,7 @@
 #include "embed/sequence_denoiser.h"
 
+#include <algorithm>
+
 #include "core/threads.h"
 #include "embed/frame_buffers.h"
 #include "models/network_config.h"
@@ -9,6 +11,10 @@ namespace ld {
 SequenceDenoiser::SequenceDenoiser(const std::string& weights) : model_(std::in_place, weights) {
   features_ = model_->network_config().features;
   required_ = model_->features();
+  // Also where it is no feature of its own: the light is what is denoised.
+  for (std::vector<std::string>* names : {&features_, &required_})
+    if (std::find(names->begin(), names->end(), "radiance") == names->end())
+      names->insert(names->begin(), "radiance");
 }
 
 SequenceDenoiser::SequenceDenoiser(const FilterArgument& filter) : filter_(filter) {

@@ -50,6 +50,11 @@ class EncodeStep : public TileStep {
     for (int64_t c = 0; c < count; ++c) {
       float* out = features_.at(tile, s * count + c).data;
       const Channel& channel = channels_[size_t(c)];
+      // Frames end with the last feature that they hold.
+      if (channel.place >= from.frame->channels) {
+        std::fill_n(out, tile.count, 0.0f);
+        continue;
+      }
       const float* values = from.plane(channel.place);
       if (channel.feature->encoding == Encoding::tone_map)
         encode_radiance(values, out, tile.count);

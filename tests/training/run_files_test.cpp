@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/file_io.h"
+#include "core/pi.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
@@ -100,7 +101,7 @@ TEST(Schedule, OneCycleHasBoundsOfItsOwn) {
 
 TEST(Schedule, OneCyclesDefaultsAreTheBitsOfPyTorchsDivisors) {
   const auto along = [](double from, double to, double progress) {
-    return to + 0.5 * (from - to) * (1 + std::cos(3.14159265358979 * progress));
+    return to + 0.5 * (from - to) * (1 + std::cos(kPi * progress));
   };
   for (const double highest : {0.005, 0.003, 0.002, 1e-3, 7e-4, 0.1, 1.0 / 3, 10.0}) {
     OptimizerConfig config = schedule("one_cycle");
