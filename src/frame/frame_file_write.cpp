@@ -17,8 +17,8 @@
 #include "frame/exr_output.h"
 #include "frame/frame_attributes.h"
 #include "frame/frame_file.h"
-#include "frame/half_rows.h"
 #include "frame/half_range.h"
+#include "frame/half_rows.h"
 
 namespace ld {
 namespace {
