@@ -11,24 +11,9 @@
 namespace ld {
 namespace {
 
-/// Two sequences of six frames to train on, and a still that validates.
-TrainConfig clip_config(const std::filesystem::path& data) {
-  write_tiny_dataset(data, 12);
-  Manifest manifest = read_manifest(data);
-  for (ManifestFrame& frame : manifest.frames)
-    if (frame.split == "train") {
-      frame.sequence = frame.index / 6;
-      frame.position = frame.index % 6;
-    }
-  add_to_manifest(data, manifest);
-  TrainConfig config = tiny_config(data, 4);
-  config.data.clip = 3;
-  return config;
-}
-
 TEST(ClipTraining, TheLossIsTheMeanOverAllFrames) {
   const TemporaryFolder folder;
-  const TrainConfig config = clip_config(folder.path());
+  const TrainConfig config = two_sequences(folder.path());
   TrainingSet set = make_training_set(config);
   EXPECT_EQ(set.batches_per_epoch(), 2) << "four clips of three frames, two a batch";
   const std::shared_ptr<Network> network = make_network(config.network);
@@ -52,7 +37,7 @@ TEST(ClipTraining, TheLossIsTheMeanOverAllFrames) {
 
 TEST(ClipTraining, ARunContinuesWithTheClipsThatItWouldHaveHad) {
   const TemporaryFolder folder;
-  TrainConfig config = clip_config(folder / "data");
+  TrainConfig config = two_sequences(folder / "data");
   config.data.samples = {1, 2};
   config.data.workers = 2;
   Trainer whole(config, folder / "whole");
@@ -70,7 +55,7 @@ TEST(ClipTraining, ARunContinuesWithTheClipsThatItWouldHaveHad) {
 
 /// The same with a network that remembers.
 TrainConfig remembering_config(const std::filesystem::path& data) {
-  TrainConfig config = clip_config(data);
+  TrainConfig config = two_sequences(data);
   config.network.name = "layer_history";
   config.network.features = {"radiance", "normal", "depth"};  // nothing moves
   config.network.history = {4};

@@ -128,17 +128,8 @@ TEST(RecurrentTraining, GradientsOfTheWholeLossAgreeWithFiniteDifferences) {
 }
 
 TrainConfig recurrent_run(const std::filesystem::path& data) {
-  write_tiny_dataset(data, 12);
-  Manifest manifest = read_manifest(data);
-  for (ManifestFrame& frame : manifest.frames)
-    if (frame.split == "train") {
-      frame.sequence = frame.index / 6;
-      frame.position = frame.index % 6;
-    }
-  add_to_manifest(data, manifest);
-  TrainConfig config = tiny_config(data, 4);
+  TrainConfig config = two_sequences(data);
   config.data.crop = 16;
-  config.data.clip = 3;
   config.data.samples = {1, 1};
   config.data.reversal = true;
   config.data.tint = 2;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/file_io.h"
+#include "frame/manifest.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_dataset.h"
 #include "training/trainer.h"
@@ -35,6 +36,22 @@ inline torch::Tensor all_parameters(const Network& network) {
   std::vector<torch::Tensor> flat;
   for (const torch::Tensor& parameter : network.parameters()) flat.push_back(parameter.detach().flatten());
   return torch::cat(flat);
+}
+
+/// A data set of two sequences of six frames to train on and a still that validates, and a training on clips
+/// of three frames.
+inline TrainConfig two_sequences(const std::filesystem::path& data) {
+  write_tiny_dataset(data, 12);
+  Manifest manifest = read_manifest(data);
+  for (ManifestFrame& frame : manifest.frames)
+    if (frame.split == "train") {
+      frame.sequence = frame.index / 6;
+      frame.position = frame.index % 6;
+    }
+  add_to_manifest(data, manifest);
+  TrainConfig config = tiny_config(data, 4);
+  config.data.clip = 3;
+  return config;
 }
 
 }  // namespace ld
