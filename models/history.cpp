@@ -13,6 +13,7 @@ namespace {
 
 constexpr int64_t kCompared = 3, kChange = 1;  // r, s, 1 / n; the place of s
 constexpr int64_t kSurface = 4;
+constexpr int64_t kTold = 3;  // channels of the light that tell how much has changed
 
 /// Channels of a feature, [B, S, C, H, W], or zeros.
 Tensor channels_of(const Tensor& features, const NetworkConfig& config, const char* name) {
@@ -42,8 +43,8 @@ Tensor recalled(const NetworkState& state, const char* name, const Tensor& like,
 /// [r, s, 1 / n] where `known` is 1, else zeros.
 Tensor compared(const Tensor& now, const Tensor& past, const Tensor& frames, const Tensor& known) {
   const torch::NoGradGuard no_gradient;
-  const Tensor f = now.narrow(1, 0, 3).clamp_max(kLargestCompared),
-               h = past.narrow(1, 0, 3).clamp_max(kLargestCompared);
+  const Tensor f = now.narrow(1, 0, kTold).clamp_max(kLargestCompared),
+               h = past.narrow(1, 0, kTold).clamp_max(kLargestCompared);
   const Tensor difference = known * (h - f), sum = known * (h + f);
   constexpr int kSide = 2 * kComparedRadius + 1;
   const auto over_neighbourhood = [](const Tensor& t) {
@@ -56,6 +57,16 @@ Tensor compared(const Tensor& now, const Tensor& past, const Tensor& frames, con
   return known * at::cat({relative(difference, sum),
                           relative(over_neighbourhood(difference), over_neighbourhood(sum)), 1 / frames},
                          1);
+}
+
+/// t of models/history.h, [B, 1, H, W].
+Tensor believed(const Tensor& now, const Tensor& past) {
+  const torch::NoGradGuard no_gradient;
+  const auto sum = [](const Tensor& light) {
+    return light.narrow(1, 0, kTold).clamp_max(kLargestCompared).sum(1, /*keepdim=*/true);
+  };
+  const Tensor h = sum(past);
+  return (kBrightestHistory * sum(now) / h.masked_fill(h.eq(0), 1)).clamp_max(1).masked_fill(h.eq(0), 1);
 }
 
 }  // namespace
@@ -103,7 +114,7 @@ Tensor History::remembered(const Tensor& light, const Tensor& context, const Net
   const Tensor seen = compared(light, history, frames, known);
   const Tensor logit = with_bounded_gradient(gate_->forward(seen.unsqueeze(1), context).squeeze(1));
   const Tensor k = known * at::sigmoid(logit + frames.log());
-  const Tensor result = light + k * (history - light);
+  const Tensor result = light + k * (believed(light, history) * history - light);
   const Tensor count = frames / ((1 - k).square() * frames + k.square());
   state = {
       {"light", result}, {"frames", now.drawn * count.clamp_max(kLongestHistory)}, {"surface", now.surface}};

@@ -15,6 +15,7 @@ constexpr double kMostRejected = 16;  // a pixel's layer counts for e^-16, 1e-7,
 
 // models/history.h.
 constexpr double kLongestHistory = 32;     // frames that a history counts for at most
+constexpr double kBrightestHistory = 2;    // times the light of the present: no more of the past is believed
 constexpr double kInitialHistory = -1;     // the gate's logit before anything is learnt, less
 constexpr double kInitialChange = 20;      // so many times the relative change of the light
 constexpr double kLargestCompared = 1e35;  // of light: sums over a neighbourhood are finite

@@ -164,7 +164,7 @@ std::unique_ptr<TileStep> make_step(const graph::Remember&, const graph::Node& n
                   past = context.input(node, 2), frames = context.input(node, 3),
                   drawn = context.input(node, 4), out = context.output(node, 0),
                   counted = context.output(node, 1);
-  return tile_step(context, kTilePixels, [=](const PixelTile& tile, float* __restrict k) {
+  return tile_step(context, 3 * kTilePixels, [=](const PixelTile& tile, float* __restrict k) {
     const float* __restrict before = frames.at(tile).data;
     const float* __restrict z = logit.at(tile).data;
     const float* __restrict valid = drawn.at(tile).data;
@@ -175,11 +175,24 @@ std::unique_ptr<TileStep> make_step(const graph::Remember&, const graph::Node& n
       const float share = (1 - k[x]) * (1 - k[x]) * n + k[x] * k[x];
       count[x] = valid[x] * std::min(n / share, float(kLongestHistory));
     }
+    float* __restrict believed = k + kTilePixels, * __restrict most = believed + kTilePixels;
+    std::fill_n(believed, tile.count, 0.0f);
+    std::fill_n(most, tile.count, 0.0f);
+    for (int64_t c = 0; c < 3; ++c) {
+      const float* __restrict f = light.at(tile, c).data;
+      const float* __restrict h = past.at(tile, c).data;
+      for (int64_t x = 0; x < tile.count; ++x) {
+        most[x] += std::min(f[x], float(kLargestCompared));
+        believed[x] += std::min(h[x], float(kLargestCompared));
+      }
+    }
+    for (int64_t x = 0; x < tile.count; ++x)
+      believed[x] = believed[x] == 0 ? 1 : std::min(float(kBrightestHistory) * most[x] / believed[x], 1.0f);
     for (int64_t c = 0; c < out.planes; ++c) {
       const float* __restrict f = light.at(tile, c).data;
       const float* __restrict h = past.at(tile, c).data;
       float* __restrict to = out.at(tile, c).data;
-      for (int64_t x = 0; x < tile.count; ++x) to[x] = f[x] + k[x] * (h[x] - f[x]);
+      for (int64_t x = 0; x < tile.count; ++x) to[x] = f[x] + k[x] * (believed[x] * h[x] - f[x]);
     }
   });
 }

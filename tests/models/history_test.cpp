@@ -136,8 +136,14 @@ Tensor plain_remembered(const Tensor& light, const NetworkInput& input, const Ne
     for (int64_t x = 0; x < w; ++x) {
       const double n = at(frames, 0, y, x), e = std::exp(at(g, 0, y, x));
       const double k = n * e / (1 + n * e);
+      double f = 0, p = 0;
+      for (int64_t c = 0; c < 3; ++c) {
+        f += at(now, c, y, x);
+        p += at(past, c, y, x);
+      }
+      const double t = p > 2 * f ? 2 * f / p : 1;
       for (int64_t c = 0; c < channels; ++c)
-        at(result, c, y, x) = (1 - k) * at(now, c, y, x) + k * at(past, c, y, x);
+        at(result, c, y, x) = (1 - k) * at(now, c, y, x) + k * t * at(past, c, y, x);
       const double count = n == 0 ? 1 : std::min(1 / ((1 - k) * (1 - k) + k * k / n), 32.0);
       at(left, 0, y, x) = at(drawn, 0, y, x) * count;
     }
@@ -204,7 +210,8 @@ TEST(History, WithoutOneItIsTheLayerNetworkBitForBit) {
   }
 }
 
-// What the gate compares is held fixed: without it the gradient is the whole derivative.
+// What the gate compares is held fixed, as is what it does not believe: without them the gradient is the
+// whole derivative.
 TEST(History, GradientsThroughTimeAgreeWithFiniteDifferences) {
   NetworkConfig config = history_config();
   const auto network = small_network(config, torch::kFloat64);
@@ -213,7 +220,11 @@ TEST(History, GradientsThroughTimeAgreeWithFiniteDifferences) {
     network->named_parameters()["history.gate.0.weight"].narrow(1, 0, 3).zero_();
   }
   std::vector<NetworkInput> frames;
-  for (uint32_t f = 0; f < 3; ++f) frames.push_back(frame_input(config, f, torch::kFloat64, 1, 4, 5));
+  for (uint32_t f = 0; f < 3; ++f) {
+    NetworkInput input = with_one_reflectance(frame_input(config, f, torch::kFloat64, 1, 4, 5), config);
+    input.radiance = random_uniform(input.radiance.sizes(), 800 + f, 2, 3) * input.valid;
+    frames.push_back(input);
+  }
   std::vector<Tensor> inputs = network->parameters();
   inputs.push_back(variable(frames[0].radiance));
   const auto run = [&](const std::vector<Tensor>& v) {
@@ -282,6 +293,26 @@ TEST(History, BeginsByLettingGoOfLightThatHasChanged) {
   }
 }
 
+// No gate keeps what is brighter than twice the present light: one bright sample is gone a frame later.
+TEST(History, OneBrightPixelIsNotHandedOn) {
+  NetworkConfig config = history_config();
+  History history(config);
+  torch::NoGradGuard no_gradient;
+  history.named_parameters()["gate.1.bias"].fill_(30);
+  NetworkInput input = frame_input(config, 0, torch::kFloat32, 1);
+  input.valid.fill_(1);
+  input.features.narrow(2, first_channel(config.features, "flow"), 2).zero_();
+  const Tensor context = torch::zeros({1, config.unet.context, 6, 7}), dark = torch::full({1, 6, 6, 7}, 0.1);
+  Tensor bright = dark.clone();
+  bright.select(3, 3).select(2, 2).fill_(1000);
+  NetworkState state;
+  history.remembered(bright, context, input, config, state);
+  for (int f = 0; f < 4; ++f)
+    EXPECT_LE(history.remembered(dark, context, input, config, state).max().item<double>(), 0.2 * (1 + 1e-6));
+  // The dark ones beside it have all of their past.
+  EXPECT_NEAR(state.at("light").min().item<double>(), 0.1, 1e-6);
+}
+
 // With g = 0 the light is the mean over all frames, and counts for as many.
 TEST(History, AGateOfZeroIsTheMeanOverAllFrames) {
   NetworkConfig config = history_config();
@@ -293,7 +324,7 @@ TEST(History, AGateOfZeroIsTheMeanOverAllFrames) {
   NetworkState state;
   Tensor sum = torch::zeros({1, 3, 6, 7});
   for (uint32_t f = 0; f < 20; ++f) {
-    const Tensor light = random_uniform({1, 3, 6, 7}, f, 0, 4).to(torch::kFloat32);
+    const Tensor light = random_uniform({1, 3, 6, 7}, f, 2, 4).to(torch::kFloat32);
     sum = sum + light;
     const Tensor mean =
         history.remembered(light, torch::zeros({1, config.unet.context, 6, 7}), input, config, state);
