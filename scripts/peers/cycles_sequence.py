@@ -1,10 +1,11 @@
 """Renders a short animation with Blender Cycles, sample by sample, for temporal filters (docs/sequences.md): the camera goes round, a ball rolls.
 
-    blender -b -P scripts/peers/cycles_sequence.py -- OUT [FRAMES [SAMPLES [WIDTH [HEIGHT [REFERENCE]]]]]
+    blender -b -P scripts/peers/cycles_sequence.py -- OUT [FRAMES [SAMPLES [WIDTH [HEIGHT [REFERENCE [BLUR]]]]]]
 
 writes OUT/0000/sample_000.exr, ..., OUT/0000/reference.exr (of REFERENCE samples) and OUT/0000/camera.yaml; OUT/0001 and so on; and
 OUT/mapping.txt, what tells the importer where distance and object are. With the passes Vector, object index, and direct, indirect and emitted light.
-Works with the module bpy, too.
+With BLUR 1 the camera has a wide lens and its shutter is open for half of the time; Cycles then writes no Vector pass. Works with the module bpy,
+too.
 """
 import math
 import sys
@@ -78,11 +79,19 @@ def build(frames):
     return scene
 
 
+def blur(scene):
+    lens = scene.camera.data.dof
+    lens.use_dof, lens.focus_object, lens.aperture_fstop = True, bpy.data.objects["target"], 0.4
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+
+
 def main():
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
     out = Path(arguments[0]).resolve()
-    frames, samples, width, height, reference = [int(x) for x in arguments[1:]] + [16, 2, 160, 90, 128][len(arguments) - 1:]
+    frames, samples, width, height, reference, blurred = [int(x) for x in arguments[1:]] + [16, 2, 160, 90, 128, 0][len(arguments) - 1:]
     scene, layer = build(frames), bpy.context.view_layer
+    if blurred:
+        blur(scene)
     scene.render.resolution_x, scene.render.resolution_y = width, height
     cycles_samples.sample_settings(scene, layer)
     cycles_samples.measure_by_mist(scene)
