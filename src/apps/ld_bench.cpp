@@ -172,6 +172,10 @@ void declare_tradeoff(CLI::App& command, Options& options) {
   command.add_option("--metric", tradeoff.metric, "the error of the figure and of what counts as beaten")
       ->capture_default_str();
   command.add_option("--frames-limit", tradeoff.frames_limit, "only the first so many frames (default: all)");
+  command
+      .add_option("--samples", tradeoff.samples,
+                  "only the first so many samples of each frame (default: all)")
+      ->check(CLI::Range(1, 4096));
   command.add_option("--repeats", tradeoff.repeats, "timed runs of each model on each frame")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

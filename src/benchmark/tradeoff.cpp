@@ -97,7 +97,8 @@ std::optional<Tradeoff> measure_tradeoff(const TradeoffOptions& options) {
   std::vector<std::string> features = {"radiance"};
   const std::vector<LoadedModel> models =
       load_models(parse_model_arguments(options.models), options.threads, features);
-  const FrameSet frames = open_frame_set(options.data, options.split, features, options.frames_limit);
+  const FrameSet frames =
+      open_frame_set(options.data, options.split, features, options.frames_limit, options.samples);
 
   Tradeoff tradeoff;
   std::vector<Method> methods;

@@ -24,6 +24,7 @@ struct TradeoffOptions {
   std::vector<std::string> images;
   std::string metric = "smape";  // the error of figure and marks
   size_t frames_limit = 0;       // 0: all
+  int samples = 0;               // only the first so many of each frame; 0: all
   int repeats = 5;
   int threads = 1;
 };

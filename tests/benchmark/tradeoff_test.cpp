@@ -124,6 +124,12 @@ TEST_F(TradeoffCommand, MeasuresModelsBesideAnotherProgram) {
   EXPECT_EQ(points[1].at("peak_mb"), 3.5);
   EXPECT_EQ(points[1].at("scores").at("smape"), 0);  // it is the reference
   EXPECT_TRUE(points[0].at("unbeaten").get<bool>());
+  const auto all = parse_json(read_file(json), json);
+  ASSERT_GT(all.at("spp").get<int>(), 1);
+  ASSERT_EQ(run({"--model", "layer=" + kWeights, "--samples", "1", "--json", json}).exit_code, 0);
+  const auto one = parse_json(read_file(json), json);
+  EXPECT_EQ(one.at("spp"), 1);
+  EXPECT_GT(one.at("noisy").at("smape").get<double>(), all.at("noisy").at("smape").get<double>());
   EXPECT_FALSE(points[1].at("unbeaten").get<bool>());
   EXPECT_EQ(xml_fault(read_file(folder_ / "tradeoff.svg")), "");
   EXPECT_NE(read_file(folder_ / "tradeoff.md").find("| layer"), std::string::npos);
