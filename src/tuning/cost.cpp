@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
+#include <set>
 
 #include "core/error.h"
 #include "core/process/process_memory.h"
@@ -71,17 +73,35 @@ NetworkWeights random_weights(const NetworkConfig& config) {
   return network;
 }
 
-NetworkTime measure_network(const NetworkWeights& network, const PictureExtent& picture, int threads) {
+std::vector<NetworkTime> measure_networks(const std::vector<NetworkWeights>& networks,
+                                          const PictureExtent& picture, int threads) {
   constexpr double kEnough = 500;  // ms
-  const Frame frame = noise_frame(network.config.features, picture);
-  Execution execution(network.graph, network.weights, picture, {threads});
-  const double first = run_ms(execution, frame);  // in which memory is new
-  const double repeats = std::clamp(kEnough / first, 3.0, 15.0);
-  std::vector<double> times;
-  while (double(times.size()) < repeats) times.push_back(run_ms(execution, frame));
-  const auto middle = times.begin() + int64_t(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return {*middle, 1e-6 * double(execution.memory_bytes())};
+  std::set<std::string> features;
+  for (const NetworkWeights& network : networks)
+    features.insert(network.config.features.begin(), network.config.features.end());
+  const Frame frame = noise_frame({features.begin(), features.end()}, picture);
+  std::vector<std::unique_ptr<Execution>> executions;
+  double slowest = 0;
+  for (const NetworkWeights& network : networks) {
+    executions.push_back(
+        std::make_unique<Execution>(network.graph, network.weights, picture, ExecutionOptions{threads}));
+    slowest = std::max(slowest, run_ms(*executions.back(), frame));  // in which memory is new
+  }
+  const auto repeats = size_t(std::ceil(std::clamp(kEnough / slowest, 3.0, 15.0)));
+  std::vector<std::vector<double>> times(networks.size());
+  for (size_t round = 0; round < repeats; ++round)
+    for (size_t n = 0; n < networks.size(); ++n) times[n].push_back(run_ms(*executions[n], frame));
+  std::vector<NetworkTime> found;
+  for (size_t n = 0; n < networks.size(); ++n) {
+    const auto middle = times[n].begin() + int64_t(repeats / 2);
+    std::nth_element(times[n].begin(), middle, times[n].end());
+    found.push_back({*middle, 1e-6 * double(executions[n]->memory_bytes())});
+  }
+  return found;
+}
+
+NetworkTime measure_network(const NetworkWeights& network, const PictureExtent& picture, int threads) {
+  return measure_networks({network}, picture, threads).front();
 }
 
 CostModel::CostModel(const std::vector<NetworkConfig>& calibration, const PictureExtent& picture,

@@ -25,7 +25,10 @@ struct NetworkTime {
 };
 
 /// The median over frames of random samples after a warm-up: of as many as half a second holds, 3 to 15.
-/// Throws Error where the frame alone would take more memory than there is.
+/// Several networks take turns, so that all see the same machine; the slowest says how often. Throws Error
+/// where the frame alone would take more memory than there is.
+std::vector<NetworkTime> measure_networks(const std::vector<NetworkWeights>& networks,
+                                          const PictureExtent& picture, int threads);
 NetworkTime measure_network(const NetworkWeights& network, const PictureExtent& picture, int threads);
 
 /// Rates of the operators: seconds for each unit of work, which is a multiply-add or, of operators that do

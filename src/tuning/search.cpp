@@ -18,6 +18,7 @@ namespace {
 
 /// What is predicted to take longer than this times the budget never trains; up to it, the clock decides.
 constexpr double kBeyondDoubt = 1.5;
+constexpr size_t kTimedAgain = 6;   // that are timed again, in turns
 constexpr double kRiseAgain = 0.1;  // share of the steps, of a cycle that begins with trained weights
 
 /// The order in which candidates are taken where there is no time for all. Within a budget the dearest of
@@ -47,7 +48,8 @@ class Search {
   bool halve();
   bool decide_features();
   bool finish();
-  SearchOutcome outcome();
+  bool decide();
+  SearchOutcome outcome() { return std::move(outcome_); }
 
  private:
   bool within(double ms, double factor) const {
@@ -283,14 +285,47 @@ bool Search::finish() {
   return true;
 }
 
-SearchOutcome Search::outcome() {
+/// Times of different moments of a busy machine do not compare, so those that may be chosen are timed again.
+bool Search::decide() {
   std::vector<Point>& points = outcome_.points;
-  for (Point& point : points)
-    point.unbeaten =
-        std::none_of(points.begin(), points.end(), [&](const Point& other) { return beats(other, point); });
-  outcome_.chosen = choose(points, requirement_);
-  if (outcome_.chosen) say(choice_sentence(points, *outcome_.chosen, requirement_));
-  return std::move(outcome_);
+  const auto mark = [&] {
+    for (Point& point : points)
+      point.unbeaten =
+          std::none_of(points.begin(), points.end(), [&](const Point& other) { return beats(other, point); });
+  };
+  mark();
+  std::vector<size_t> places;
+  for (size_t i = 0; i < points.size(); ++i)
+    if (points[i].unbeaten && within(points[i].time.ms, kBeyondDoubt)) places.push_back(i);
+  // The lowest errors; with a target the cheapest that reach it, then the lowest errors.
+  const auto rank = [&](size_t i) {
+    const bool reaches = requirement_.target_smape && points[i].error <= *requirement_.target_smape;
+    return std::pair(!reaches, reaches ? points[i].time.ms : points[i].error);
+  };
+  std::sort(places.begin(), places.end(), [&](size_t a, size_t b) { return rank(a) < rank(b); });
+  places.resize(std::min(places.size(), kTimedAgain));
+  std::vector<Point> finalists;
+  for (const size_t i : places) finalists.push_back(points[i]);
+  if (finalists.size() > 1) {
+    const std::optional<std::vector<NetworkTime>> times = tools_.measure_in_turns(finalists);
+    if (!times) return false;
+    for (size_t i = 0; i < places.size(); ++i) points[places[i]].time = finalists[i].time = (*times)[i];
+    say(fmt::format("The {} best for their time were timed again, in turns.", finalists.size()));
+    mark();
+  }
+  std::optional<size_t> chosen = choose(finalists, requirement_);
+  if (!chosen && requirement_.budget_ms) {
+    const auto fastest =
+        std::min_element(finalists.begin(), finalists.end(),
+                         [](const Point& a, const Point& b) { return a.time.ms < b.time.ms; });
+    chosen = size_t(fastest - finalists.begin());
+    say(fmt::format("None of them is within {:g} ms any more: the fastest is taken.",
+                    *requirement_.budget_ms));
+  }
+  if (!chosen) return true;
+  outcome_.chosen = places[*chosen];
+  say(choice_sentence(finalists, *chosen, requirement_));
+  return true;
 }
 
 }  // namespace
@@ -298,7 +333,8 @@ SearchOutcome Search::outcome() {
 std::optional<SearchOutcome> search(const std::vector<Candidate>& space, const Requirement& requirement,
                                     double minutes, const SearchTools& tools) {
   Search course(requirement, minutes, tools);
-  if (!course.admit(space) || !course.halve() || !course.decide_features() || !course.finish())
+  if (!course.admit(space) || !course.halve() || !course.decide_features() || !course.finish() ||
+      !course.decide())
     return std::nullopt;
   return course.outcome();
 }

@@ -37,14 +37,6 @@ struct EightBits {
   NetworkTime time;
 };
 
-/// What the search asks for. Trials, times and 8 bits are nullopt when a stop was asked for.
-struct SearchTools {
-  std::function<double(const NetworkConfig&)> predict_ms;
-  std::function<std::optional<NetworkTime>(const std::string& name, const NetworkConfig&)> measure;
-  std::function<std::optional<TrialResult>(const Trial&)> run;
-  std::function<std::optional<EightBits>(const std::string& trial)> in_eight_bits;
-};
-
 /// A trained network in the plane of error and cost.
 struct Point {
   std::string name;   // of the candidate, with what was done to it
@@ -55,6 +47,16 @@ struct Point {
   NetworkTime time;
   double predicted_ms = 0, minutes = 0;  // of training, those before it included
   bool eight_bits = false, unbeaten = false;
+};
+
+/// What the search asks for. Trials, times and 8 bits are nullopt when a stop was asked for.
+struct SearchTools {
+  std::function<double(const NetworkConfig&)> predict_ms;
+  std::function<std::optional<NetworkTime>(const std::string& name, const NetworkConfig&)> measure;
+  std::function<std::optional<TrialResult>(const Trial&)> run;
+  std::function<std::optional<EightBits>(const std::string& trial)> in_eight_bits;
+  /// Each network's own time, of all in turns.
+  std::function<std::optional<std::vector<NetworkTime>>(const std::vector<Point>&)> measure_in_turns;
 };
 
 struct SearchOutcome {

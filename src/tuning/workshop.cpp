@@ -107,7 +107,8 @@ SearchTools Workshop::tools() {
             return measure(name, random_weights(config));
           },
           [this](const Trial& trial) { return run(trial); },
-          [this](const std::string& trial) { return in_eight_bits(trial); }};
+          [this](const std::string& trial) { return in_eight_bits(trial); },
+          [this](const std::vector<Point>& points) { return measure_in_turns(points); }};
 }
 
 fs::path Workshop::place(const std::string& trial, const std::string& extension) const {
@@ -128,6 +129,25 @@ std::optional<NetworkTime> Workshop::measure(const std::string& name, const Netw
   times_[name] = time;
   remember_costs();
   return time;
+}
+
+std::optional<std::vector<NetworkTime>> Workshop::measure_in_turns(const std::vector<Point>& points) {
+  if (stop_requested()) return std::nullopt;
+  std::vector<NetworkWeights> networks;
+  std::vector<std::string> names;
+  for (const Point& point : points) {
+    networks.push_back(point.eight_bits ? read_network_weights(model_of(point))
+                                        : random_weights(point.candidate.config.network));
+    names.push_back(point.name + ", in turns");
+  }
+  if (std::any_of(names.begin(), names.end(), [&](const auto& name) { return times_.count(name) == 0; })) {
+    const std::vector<NetworkTime> times = measure_networks(networks, options_.picture, options_.threads);
+    for (size_t i = 0; i < names.size(); ++i) times_[names[i]] = times[i];
+    remember_costs();
+  }
+  std::vector<NetworkTime> found;
+  for (const std::string& name : names) found.push_back(times_.at(name));
+  return found;
 }
 
 std::optional<TrialResult> Workshop::score(const fs::path& model, const fs::path& path) {

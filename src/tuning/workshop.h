@@ -35,6 +35,7 @@ class Workshop {
  private:
   std::filesystem::path place(const std::string& trial, const std::string& extension = "") const;
   std::optional<NetworkTime> measure(const std::string& name, const NetworkWeights& network);
+  std::optional<std::vector<NetworkTime>> measure_in_turns(const std::vector<Point>& points);
   std::optional<TrialResult> run(const Trial& trial);
   std::optional<TrialResult> score(const std::filesystem::path& model, const std::filesystem::path& record);
   std::optional<EightBits> in_eight_bits(const std::string& trial);

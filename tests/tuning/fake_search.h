@@ -35,7 +35,8 @@ struct FakeTools {
   size_t stop_after = 1000;       // trials
   std::map<std::string, double> minutes_before = {};
   std::vector<Trial> trials = {};
-  std::vector<std::string> measured = {};
+  std::vector<std::string> measured = {}, in_turns = {};
+  double slower_again = 1;  // times in turns over those before
 
   static std::string key(const NetworkConfig& config) {
     return config.name + (config.means ? "_means" : "") + std::to_string(config.layers) + "_" +
@@ -82,6 +83,14 @@ struct FakeTools {
               const double mean = error(*found) * eight_bits_error;
               for (size_t f = 0; f < frames; ++f) result.errors.push_back(mean * (1 + 0.1 * double(f)));
               return EightBits{result, {eight_bits_time * ms(found->config.network), 8}};
+            },
+            [this](const std::vector<Point>& points) -> std::optional<std::vector<NetworkTime>> {
+              std::vector<NetworkTime> times;
+              for (const Point& point : points) {
+                in_turns.push_back(point.name);
+                times.push_back({slower_again * point.time.ms, point.time.memory_mb});
+              }
+              return times;
             }};
   }
 };

@@ -43,6 +43,26 @@ TEST_F(SearchTest, FindsTheBestWithinTheBudget) {
   EXPECT_TRUE(says(*outcome, "Mean and variance of a pixel's samples in place of two layers of samples"));
 }
 
+TEST_F(SearchTest, ThoseThatMayBeChosenAreTimedAgainInTurns) {
+  fake_.quality = {{"pixel_fine_k9", 0.1}, {"means_fast_k9", 0.2}, {"layer2_small_k9", 0.15}};
+  fake_.cost = {{"means_fast_k9", 4}, {"layer2_small_k9", 7}};
+  fake_.slower_again = 1.5;  // 10 and 6 ms, of the best and of its 8 bits, become 15 and 9
+  auto outcome = run(kBudget);
+  ASSERT_TRUE(outcome && outcome->chosen);
+  EXPECT_GE(fake_.in_turns.size(), 3U);
+  EXPECT_LE(fake_.in_turns.size(), 6U);
+  EXPECT_EQ(outcome->points[*outcome->chosen].candidate.name, "pixel_fine_k9");
+  EXPECT_TRUE(says(*outcome, "were timed again, in turns."));
+  fake_.slower_again = 2.5;  // 25 and 15
+  outcome = run(kBudget);
+  ASSERT_TRUE(outcome && outcome->chosen);
+  EXPECT_LE(outcome->points[*outcome->chosen].time.ms, 20);
+  fake_.slower_again = 100;
+  outcome = run(kBudget);
+  ASSERT_TRUE(outcome && outcome->chosen);
+  EXPECT_TRUE(says(*outcome, "None of them is within 20 ms any more: the fastest is taken."));
+}
+
 TEST_F(SearchTest, WhatIsBeyondTheBudgetNeverTrains) {
   for (const Candidate& candidate : space_) fake_.cost[candidate.name] = 31;  // beyond doubt
   fake_.cost["means_fast_k9"] = 15;
