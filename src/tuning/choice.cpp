@@ -1,7 +1,10 @@
 // Which points of a search are kept, and which is chosen.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <tuple>
+#include <utility>
 
 #include "tuning/decisions.h"
 #include "tuning/gain.h"
@@ -16,7 +19,45 @@ bool meets(const Point& point, const Requirement& requirement) {
                                : point.error <= *requirement.target_smape;
 }
 
+constexpr size_t kFinalistsAtMost = 6;
+
 }  // namespace
+
+std::vector<size_t> in_order(const std::vector<Candidate>& space, const std::vector<double>& predicted,
+                             const Requirement& requirement) {
+  std::vector<size_t> order(space.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  if (!requirement.budget_ms) return order;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return predicted[a] > predicted[b]; });
+  std::map<std::string, size_t> seen;  // of each network
+  std::vector<size_t> round(space.size());
+  for (const size_t i : order) round[i] = seen[space[i].network]++;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return std::pair(round[a], a) < std::pair(round[b], b); });
+  return order;
+}
+
+void mark_unbeaten(std::vector<Point>& points) {
+  for (Point& point : points)
+    point.unbeaten =
+        std::none_of(points.begin(), points.end(), [&](const Point& other) { return beats(other, point); });
+}
+
+std::vector<size_t> finalists_of(const std::vector<Point>& points, const Requirement& requirement) {
+  std::vector<size_t> places;
+  for (size_t i = 0; i < points.size(); ++i)
+    if (points[i].unbeaten) places.push_back(i);
+  const auto rank = [&](size_t i) {
+    const Point& point = points[i];
+    const bool hopeless = requirement.budget_ms && point.time.ms > kBeyondDoubt * *requirement.budget_ms,
+               reaches = requirement.target_smape && point.error <= *requirement.target_smape;
+    return std::tuple(hopeless, !reaches, reaches ? point.time.ms : point.error);
+  };
+  std::sort(places.begin(), places.end(), [&](size_t a, size_t b) { return rank(a) < rank(b); });
+  places.resize(std::min(places.size(), kFinalistsAtMost));
+  return places;
+}
 
 std::optional<size_t> choose(const std::vector<Point>& points, const Requirement& requirement) {
   std::vector<size_t> allowed;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "core/error.h"
@@ -16,28 +15,7 @@
 namespace ld {
 namespace {
 
-/// What is predicted to take longer than this times the budget never trains; up to it, the clock decides.
-constexpr double kBeyondDoubt = 1.5;
-constexpr size_t kTimedAgain = 6;   // that are timed again, in turns
 constexpr double kRiseAgain = 0.1;  // share of the steps, of a cycle that begins with trained weights
-
-/// The order in which candidates are taken where there is no time for all. Within a budget the dearest of
-/// each network comes first, then the second of each: what a network gains by its size it gains within the
-/// budget.
-std::vector<size_t> in_order(const std::vector<Candidate>& space, const std::vector<double>& predicted,
-                             const Requirement& requirement) {
-  std::vector<size_t> order(space.size());
-  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
-  if (!requirement.budget_ms) return order;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](size_t a, size_t b) { return predicted[a] > predicted[b]; });
-  std::map<std::string, size_t> seen;  // of each network
-  std::vector<size_t> round(space.size());
-  for (const size_t i : order) round[i] = seen[space[i].network]++;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](size_t a, size_t b) { return std::pair(round[a], a) < std::pair(round[b], b); });
-  return order;
-}
 
 class Search {
  public:
@@ -288,22 +266,8 @@ bool Search::finish() {
 /// Times of different moments of a busy machine do not compare, so those that may be chosen are timed again.
 bool Search::decide() {
   std::vector<Point>& points = outcome_.points;
-  const auto mark = [&] {
-    for (Point& point : points)
-      point.unbeaten =
-          std::none_of(points.begin(), points.end(), [&](const Point& other) { return beats(other, point); });
-  };
-  mark();
-  std::vector<size_t> places;
-  for (size_t i = 0; i < points.size(); ++i)
-    if (points[i].unbeaten && within(points[i].time.ms, kBeyondDoubt)) places.push_back(i);
-  // The lowest errors; with a target the cheapest that reach it, then the lowest errors.
-  const auto rank = [&](size_t i) {
-    const bool reaches = requirement_.target_smape && points[i].error <= *requirement_.target_smape;
-    return std::pair(!reaches, reaches ? points[i].time.ms : points[i].error);
-  };
-  std::sort(places.begin(), places.end(), [&](size_t a, size_t b) { return rank(a) < rank(b); });
-  places.resize(std::min(places.size(), kTimedAgain));
+  mark_unbeaten(points);
+  const std::vector<size_t> places = finalists_of(points, requirement_);
   std::vector<Point> finalists;
   for (const size_t i : places) finalists.push_back(points[i]);
   if (finalists.size() > 1) {
@@ -311,7 +275,7 @@ bool Search::decide() {
     if (!times) return false;
     for (size_t i = 0; i < places.size(); ++i) points[places[i]].time = finalists[i].time = (*times)[i];
     say(fmt::format("The {} best for their time were timed again, in turns.", finalists.size()));
-    mark();
+    mark_unbeaten(points);
   }
   std::optional<size_t> chosen = choose(finalists, requirement_);
   if (!chosen && requirement_.budget_ms) {

@@ -71,6 +71,22 @@ struct SearchOutcome {
 std::optional<SearchOutcome> search(const std::vector<Candidate>& space, const Requirement& requirement,
                                     double minutes, const SearchTools& tools);
 
+/// What takes longer than this times the budget has no chance; up to it, a later clock may decide otherwise.
+constexpr double kBeyondDoubt = 1.5;
+
+/// The order in which candidates are taken where there is no time for all; `predicted`: their ms. Within a
+/// budget the dearest of each network comes first, then the second of each: what a network gains by its size
+/// it gains within the budget.
+std::vector<size_t> in_order(const std::vector<Candidate>& space, const std::vector<double>& predicted,
+                             const Requirement& requirement);
+
+/// Sets Point::unbeaten where no other beats it (decisions.h).
+void mark_unbeaten(std::vector<Point>& points);
+
+/// The places of up to six that may be chosen: unbeaten ones, first those that have a chance, by their
+/// errors; with a target the fastest that reach it come before.
+std::vector<size_t> finalists_of(const std::vector<Point>& points, const Requirement& requirement);
+
 /// Of those that meet the requirement, the best, or a cheaper one over which the best has no gain that pays;
 /// never one that another beats in error and time. nullopt: none meets it.
 std::optional<size_t> choose(const std::vector<Point>& points, const Requirement& requirement);
