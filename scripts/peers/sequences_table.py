@@ -5,7 +5,7 @@ import json
 import sys
 from pathlib import Path
 
-COLUMNS = ("relmse", "smape", "ssim", "psnr", "te", "steadier", "trail", "detail")
+COLUMNS = ("relmse", "smape", "ssim", "psnr", "te", "steadier", "ghosting", "trail", "detail")
 
 
 def cell(scores, name, digits):
