@@ -23,7 +23,7 @@ namespace {
 struct Options {
   std::string model = "common", filter, output, noisy, frames, preset, mapping, camera, view;
   std::string alpha = "copy";
-  bool blend = false;
+  bool blend = false, both_ways = false;
   std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
   std::string movie;
@@ -73,6 +73,9 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag(
       "--blend", o.blend,
       "towards the mean of the samples where that is nearer to the truth, by an estimate of both errors");
+  app.add_flag(
+      "--both-ways", o.both_ways,
+      "sequences forwards and backwards in time, for films; models that remember (docs/sequences.md)");
   app.add_option("--alpha", o.alpha, "copy: the mean of the samples' alpha; filter: by the picture's kernels")
       ->check(CLI::IsMember({"copy", "filter"}))
       ->capture_default_str();
@@ -196,6 +199,7 @@ ld::DenoiseJob job_of(Options o) {
   job.full_float = o.full_float;
   job.filter_alpha = o.alpha == "filter";
   job.blend = o.blend;
+  job.both_ways = o.both_ways;
   job.noisy = o.noisy;
   const auto wants = [&](const char* part) { return std::count(o.aovs.begin(), o.aovs.end(), part) > 0; };
   job.layers = wants("layers");

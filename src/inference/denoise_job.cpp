@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
 #include "core/checksum.h"
 #include "core/error.h"
@@ -17,6 +16,8 @@
 #include "frame/frame_file.h"
 #include "frame/frame_pair.h"
 #include "inference/blend.h"
+#include "inference/both_ways.h"
+#include "inference/denoise_job_check.h"
 #include "inference/denoiser.h"
 #include "models/network_config.h"
 #include "weights/weight_file.h"
@@ -50,16 +51,10 @@ std::vector<std::string> names_of(const std::vector<LightPart>& parts) {
   return names;
 }
 
-/// Whether a picture is there: neither a folder nor a name that a render farm took with an empty file.
-bool is_finished(const fs::path& output) {
-  std::error_code error;
-  return fs::is_regular_file(output, error) && fs::file_size(output, error) > 0;
-}
-
 class Run {
  public:
   explicit Run(const DenoiseJob& job)
-      : job_(job), progress_("denoising", int64_t(job.tasks.size()) * kSteps) {
+      : job_(job), progress_("denoising", int64_t(job.tasks.size()) * (job.both_ways ? 2 : 1) * kSteps) {
     if (job.filter)
       filter_.emplace(*job.filter);
     else
@@ -68,26 +63,50 @@ class Run {
     how_.max_memory_bytes = job.max_memory_bytes;
     how_.cancel = stop_requested;
     how_.progress = [this](double share) { advance_to(int64_t(share * kSteps)); };
-    check_outputs();
+    check_job(job, denoiser_ ? &*denoiser_ : nullptr, filter_ ? &*filter_ : nullptr);
   }
 
-  nlohmann::ordered_json denoise(const DenoiseTask& task) {
-    const InputFrame input =
-        read_input(task.inputs, job_.render, filter_ ? kRadianceAlone : denoiser_->features(), job_.samples,
-                   job_.threads);
+  /// Before the frames of a sequence, tasks [first, last), are denoised in their order: with both_ways the
+  /// same backwards. Frames that cannot be had are complained of by denoise(). False when it was stopped.
+  bool go_backwards(size_t first, size_t last) {
+    backward_.emplace(*denoiser_, job_.tasks[first].output.parent_path());
+    for (size_t i = last; i-- > first; finish_frame()) {
+      const DenoiseTask& task = job_.tasks[i];
+      if (stop_requested()) return false;
+      try {
+        if (is_left_alone(job_, task)) fail("{} was there and is no longer; try again", task.output.string());
+        InputFrame input = read(task);
+        backward_->add(i, input.frame, *task.place, job_.filter_alpha, how_);
+      } catch (const Cancelled&) {
+        return false;
+      } catch (const UsageError&) {
+        throw;
+      } catch (const Error& error) {
+        backward_->fail_frame(i, error.what());
+      }
+    }
+    return true;
+  }
+
+  nlohmann::ordered_json denoise(size_t number) {
+    const DenoiseTask& task = job_.tasks[number];
+    const InputFrame input = read(task);
     const Frame& frame = input.frame;
     tell_what_was_taken(input);
-    if (job_.filter_alpha && frame.alpha.empty())
-      fail("{}: no alpha to filter: the samples have none; leave --alpha filter out",
-           task.inputs[0].string());
-    for (SequenceState* state : {&state_, &first_half_, &second_half_})
+    for (SequenceState* state : {&state_, &first_half_, &second_half_}) {
+      if (frame.info.cut) state->end();
       state->advance(task.place, frame.width, frame.height);
+    }
     const auto start = std::chrono::steady_clock::now();
     DenoisedParts denoised;
     if (filter_)
       denoised.picture = filter_->denoise(frame, state_, threads_);
     else
       denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_, &state_);
+    std::optional<int64_t> future;
+    if (backward_)
+      future =
+          backward_->mix_into(number, denoised, denoiser_->frames_held(state_, frame.width, frame.height));
     if (job_.blend) blend(frame, denoised.picture);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
@@ -105,20 +124,22 @@ class Run {
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());
-    return {{"input", name},
-            {"output", task.output.string()},
-            {"width", frame.width},
-            {"height", frame.height},
-            {"spp", frame.spp},
-            {"also", names_of(frame.parts)},
-            {"history", state_.history()},
-            {"seconds", seconds},
-            {"peak_memory_mb", peak},
-            {"input_memory_mb", samples},
-            {"masked_samples", input.faults.not_finite},
-            {"mended_guides", input.faults.guides},
-            {"mended_parts", input.faults.parts},
-            {"negative_values", input.faults.negative}};
+    nlohmann::ordered_json entry = {{"input", name},
+                                    {"output", task.output.string()},
+                                    {"width", frame.width},
+                                    {"height", frame.height},
+                                    {"spp", frame.spp},
+                                    {"also", names_of(frame.parts)},
+                                    {"history", state_.history()},
+                                    {"seconds", seconds},
+                                    {"peak_memory_mb", peak},
+                                    {"input_memory_mb", samples},
+                                    {"masked_samples", input.faults.not_finite},
+                                    {"mended_guides", input.faults.guides},
+                                    {"mended_parts", input.faults.parts},
+                                    {"negative_values", input.faults.negative}};
+    if (future) entry["future"] = *future;
+    return entry;
   }
 
   /// What was remembered of the frames before it is of no use to the one after it.
@@ -132,6 +153,15 @@ class Run {
   }
 
  private:
+  InputFrame read(const DenoiseTask& task) const {
+    InputFrame input = read_input(task.inputs, job_.render, filter_ ? kRadianceAlone : denoiser_->features(),
+                                  job_.samples, job_.threads);
+    if (job_.filter_alpha && input.frame.alpha.empty())
+      fail("{}: no alpha to filter: the samples have none; leave --alpha filter out",
+           task.inputs[0].string());
+    return input;
+  }
+
   /// Of a half of the samples.
   Image denoise_half(const Frame& half, SequenceState& state) {
     DenoiseOptions how = how_;
@@ -149,65 +179,6 @@ class Run {
     const Image first = denoise_half(half_of(frame, 0), first_half_),
                 second = denoise_half(half_of(frame, 1), second_half_);
     picture = blend_with_mean(frame, picture, first, second).picture;
-  }
-
-  void check_outputs() const {
-    if (!job_.noisy.empty()) {
-      picture_format(job_.noisy);
-      if (job_.tasks.size() > 1) fail_usage("--noisy takes one picture, but there are {}", job_.tasks.size());
-      if (FileIdentity(job_.noisy) == FileIdentity(job_.tasks[0].output))
-        fail_usage("--noisy and --output are one file, {}; expected two", job_.noisy.string());
-    }
-    for (const DenoiseTask& task : job_.tasks)
-      if (picture_format(task.output) != PictureFormat::exr && job_.full_float)
-        fail_usage("{}: --float goes with EXR; PNG has 8 bits", task.output.string());
-      else if (picture_format(task.output) != PictureFormat::exr &&
-               (!job_.render.also.empty() || job_.filter_alpha))
-        fail_usage("{}: --also and --alpha filter go with EXR; PNG holds neither", task.output.string());
-    if (filter_ && (!job_.render.also.empty() || job_.filter_alpha))
-      fail_usage("--also and --alpha filter go with models; the filter {} takes the whole light",
-                 filter_->kind());
-    if (filter_ && job_.max_memory_bytes > 0)
-      fail_usage("--max-memory goes with models; the filter {} takes what its planes take", filter_->kind());
-    if (job_.blend && (!job_.render.also.empty() || job_.filter_alpha || job_.wants_parts()))
-      fail_usage(
-          "--blend goes with the picture alone, not with --also, --alpha filter, --aovs and --kernel-at");
-    if (!job_.wants_parts()) return;
-    if (filter_)
-      fail_usage("--aovs and --kernel-at look into networks with layers, but {} is a filter",
-                 filter_->kind());
-    const std::string& network = denoiser_->network_config().name;
-    if (network != "layer")
-      fail_usage("the model's network is '{}', which has no layers to look at; expected 'layer'", network);
-    for (const DenoiseTask& task : job_.tasks)
-      if (picture_format(task.output) != PictureFormat::exr)
-        fail_usage("{} cannot hold parts for looking; expected an output with the extension .exr",
-                   task.output.string());
-    check_kernels();
-  }
-
-  /// Whether the frames have the pixels; those that cannot be read are complained of in their turn.
-  void check_kernels() const {
-    std::set<std::pair<int, int>> seen;
-    for (const auto& [x, y] : job_.kernels_at)
-      if (!seen.insert({x, y}).second)
-        fail_usage("--kernel-at {},{} is asked for twice; expected every pixel once", x, y);
-    if (job_.kernels_at.empty()) return;
-    for (const DenoiseTask& task : job_.tasks) {
-      if (job_.skip_existing && is_finished(task.output)) continue;
-      std::pair<int, int> size;
-      try {
-        size = input_size(task.inputs, job_.render);
-      } catch (const UsageError&) {
-        throw;
-      } catch (const Error&) {
-        continue;
-      }
-      for (const auto& [x, y] : job_.kernels_at)
-        if (x < 0 || y < 0 || x >= size.first || y >= size.second)
-          fail_usage("--kernel-at {},{}: no pixel ({}, {}) in {}, which has {} x {}; they are counted from 0",
-                     x, y, x, y, task.inputs[0].string(), size.first, size.second);
-    }
   }
 
   /// Of the first frame: the others are alike.
@@ -271,6 +242,7 @@ class Run {
   const DenoiseJob& job_;
   std::optional<Denoiser> denoiser_;  // or:
   std::optional<FrameFilter> filter_;
+  std::optional<BackwardPass> backward_;  // of the sequence that is being denoised
   int threads_ = job_.threads > 0 ? job_.threads : default_threads();
   // Of the weights, not their name: equal ones make equal files wherever they lie.
   std::string checksum_ = job_.filter ? std::string() : file_checksum(job_.model);
@@ -286,16 +258,22 @@ class Run {
 DenoiseReport run_denoise_job(const DenoiseJob& job) {
   Run run(job);
   DenoiseReport report;
-  for (const DenoiseTask& task : job.tasks) {
+  const auto sequence = [&](size_t i) { return job.tasks[i].place->sequence; };
+  for (size_t i = 0; i < job.tasks.size(); ++i) {
+    const DenoiseTask& task = job.tasks[i];
     report.stopped = stop_requested();
     if (report.stopped) break;
-    if (job.skip_existing && is_finished(task.output)) {
-      ++report.skipped;
-      run.finish_frame();
-      continue;
+    if (job.both_ways && (i == 0 || sequence(i) != sequence(i - 1))) {
+      size_t last = i + 1;
+      while (last < job.tasks.size() && sequence(last) == sequence(i)) ++last;
+      report.stopped = !run.go_backwards(i, last);
+      if (report.stopped) break;
     }
     try {
-      report.frames.push_back(run.denoise(task));
+      if (is_left_alone(job, task))
+        ++report.skipped;
+      else
+        report.frames.push_back(run.denoise(i));
     } catch (const Cancelled&) {
       report.stopped = true;
       break;

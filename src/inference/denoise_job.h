@@ -26,6 +26,7 @@ struct DenoiseJob {
   bool skip_existing = false;    // pictures that are there are left alone
   bool full_float = false;
   bool blend = false;         // towards the samples' mean, as far as it is the better one (inference/blend.h)
+  bool both_ways = false;     // sequences forwards and backwards in time (inference/both_ways.h)
   bool filter_alpha = false;  // like a light part; else it is the mean of the samples'
   std::filesystem::path
       noisy;  // of a single picture: where the mean of its samples goes, too; empty: nowhere
@@ -49,10 +50,13 @@ struct DenoiseReport {
 
 /// Frame after frame, with progress, and with one state that starts anew where a frame does not follow the
 /// one before: at the first of a sequence, and after one that is missing, failed or was left alone. How many
-/// frames before it a frame follows stands in the report as `history`. Ends early, with whole files only,
-/// when a stop is requested (core/signals.h). In a sequence a frame that fails does not keep the others from
-/// being done. Throws Error as Denoiser, read_input() and write_picture() say; UsageError, before anything is
-/// denoised, for parts that the network or the format of the output cannot have, and for a filter's settings.
+/// frames before it a frame follows stands in the report as `history`, with both_ways how many frames behind
+/// it were known as `future`: then each sequence is gone through backwards first, and what that gives lies on
+/// the disk of its first picture, in a file without a name, until the pictures are written. Ends early, with
+/// whole files only, when a stop is requested (core/signals.h). In a sequence a frame that fails does not
+/// keep the others from being done. Throws Error as Denoiser, read_input() and write_picture() say;
+/// UsageError, before anything is denoised, for parts that the network or the format of the output cannot
+/// have, for a filter's settings, and for both_ways of stills and of what does not remember.
 DenoiseReport run_denoise_job(const DenoiseJob& job);
 
 }  // namespace ld

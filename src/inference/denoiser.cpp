@@ -9,6 +9,7 @@
 #include "core/threads.h"
 #include "inference/layer_views.h"
 #include "models/graphs/network_graph.h"
+#include "models/network_numbers.h"
 #include "runtime/executor.h"
 #include "runtime/sample_source.h"
 #include "weights/network_weights.h"
@@ -179,6 +180,17 @@ DenoisedParts Denoiser::denoise_parts(const SampleArrays& arrays, const DenoiseO
                                       SequenceState* sequence) const {
   return state_->denoise_parts(arrays, {int64_t(arrays.parts.size()), arrays.alpha.has_value()}, options,
                                sequence);
+}
+
+Image Denoiser::frames_held(const SequenceState& sequence, int width, int height) const {
+  const graph::Graph& graph = state_->network.graph;
+  const auto* left = std::any_cast<FrameState>(&sequence.memory);
+  for (size_t part = 0; left != nullptr && part < left->size(); ++part)
+    if (graph[graph.state[part]].name == "frames") return left->at(part);
+  Image frames(width, height, 1);
+  std::fill(frames.pixels.begin(), frames.pixels.end(),
+            std::min(float(sequence.history() + 1), float(kLongestHistory)));
+  return frames;
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {

@@ -96,6 +96,13 @@ class Denoiser {
   DenoisedParts denoise_parts(const SampleArrays& arrays, const DenoiseOptions& options = {},
                               SequenceState* sequence = nullptr) const;
 
+  /// How many frames of independent noise each pixel of the picture counts for that was denoised last with
+  /// this state, [1, H, W], at most 32, 0 or 1 where it has nothing of other frames: what a `layer_history`
+  /// counts itself (models/history.h). The state of a `recurrent` has no such number: there, and of networks
+  /// that do not remember, the frames since the start, which weighs the directions of a film but promises no
+  /// noise.
+  Image frames_held(const SequenceState& sequence, int width, int height) const;
+
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
   int64_t least_memory_bytes(int width, int height, int spp) const;
 
