@@ -66,6 +66,7 @@ class Run {
       denoiser_.emplace(job.model);
     how_.threads = job.threads;
     how_.max_memory_bytes = job.max_memory_bytes;
+    how_.skip_within = job.skip_within;
     how_.cancel = stop_requested;
     how_.progress = [this](double share) { advance_to(int64_t(share * kSteps)); };
     check_outputs();
@@ -88,6 +89,7 @@ class Run {
       denoised.picture = filter_->denoise(frame, state_, threads_);
     else
       denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_, &state_);
+    const Skipped skipped = filter_ ? Skipped() : denoiser_->skipped();
     if (job_.blend) blend(frame, denoised.picture);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
@@ -105,20 +107,23 @@ class Run {
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());
-    return {{"input", name},
-            {"output", task.output.string()},
-            {"width", frame.width},
-            {"height", frame.height},
-            {"spp", frame.spp},
-            {"also", names_of(frame.parts)},
-            {"history", state_.history()},
-            {"seconds", seconds},
-            {"peak_memory_mb", peak},
-            {"input_memory_mb", samples},
-            {"masked_samples", input.faults.not_finite},
-            {"mended_guides", input.faults.guides},
-            {"mended_parts", input.faults.parts},
-            {"negative_values", input.faults.negative}};
+    tell_what_was_skipped(skipped);
+    return {
+        {"input", name},
+        {"output", task.output.string()},
+        {"width", frame.width},
+        {"height", frame.height},
+        {"spp", frame.spp},
+        {"also", names_of(frame.parts)},
+        {"history", state_.history()},
+        {"seconds", seconds},
+        {"skipped", {{"pixels", skipped.pixels}, {"samples", skipped.samples}, {"layers", skipped.layers}}},
+        {"peak_memory_mb", peak},
+        {"input_memory_mb", samples},
+        {"masked_samples", input.faults.not_finite},
+        {"mended_guides", input.faults.guides},
+        {"mended_parts", input.faults.parts},
+        {"negative_values", input.faults.negative}};
   }
 
   /// What was remembered of the frames before it is of no use to the one after it.
@@ -215,6 +220,19 @@ class Run {
     if (told_ || input.taken.empty()) return;
     told_ = true;
     for (const std::string& line : input.taken) spdlog::info("{}", line);
+  }
+
+  /// Of a model.
+  void tell_what_was_skipped(const Skipped& skipped) const {
+    if (filter_ || !job_.skip_within) return;
+    const std::string why =
+        denoiser_->can_skip_even_light()
+            ? ""
+            : fmt::format("; network '{}' has to run everywhere", denoiser_->network_config().name);
+    spdlog::info(
+        "skipped: {:.1f} % of the pixels (even light), {:.1f} % of the samples (equal ones), {:.1f} % of the "
+        "layers' pixels (no influence){}",
+        100 * skipped.pixels, 100 * skipped.samples, 100 * skipped.layers, why);
   }
 
   void advance_to(int64_t step) {
