@@ -9,12 +9,17 @@ namespace {
 
 constexpr int64_t kBlock = SplatSkips::kBlock;
 
-/// Whether all pixels of each block are `value` in a row.
-void and_equal(const float* row, float value, int64_t width, int64_t blocks, uint8_t* all) {
+/// Of each block for which it is asked: whether all of its pixels in a row are `value`.
+void keep_equal(const float* row, float value, int64_t width, int64_t blocks, uint8_t* asked) {
   for (int64_t b = 0; b < blocks; ++b) {
-    bool equal = true;
-    for (int64_t x = b * kBlock; x < std::min((b + 1) * kBlock, width); ++x) equal &= row[x] == value;
-    all[b] = uint8_t(all[b] & uint8_t(equal));
+    if (asked[b] == 0) continue;
+    const float* const first = row + b * kBlock;
+    int others = 0;
+    if (width - b * kBlock >= kBlock)
+      for (int64_t x = 0; x < kBlock; ++x) others |= int(first[x] != value);  // vectors take no early end
+    else
+      for (int64_t x = 0; x < width - b * kBlock; ++x) others |= int(first[x] != value);
+    asked[b] = uint8_t(others == 0);
   }
 }
 
@@ -38,6 +43,8 @@ int64_t EmptyLayers::bytes(const FilterShape& shape, int64_t rows) {
 
 void EmptyLayers::look(const RowWindow& light, const RowWindow& transmittance, int64_t first, int64_t last,
                        int threads) {
+  constexpr int64_t kWorthThreads = 1 << 15;  // pixels
+  if ((last - first) * shape_.width < kWorthThreads) threads = 1;
   first_ = first;
   last_ = last;
   begin_ = std::max<int64_t>(first - shape_.radius(), 0);
@@ -49,14 +56,14 @@ void EmptyLayers::look(const RowWindow& light, const RowWindow& transmittance, i
 
 void EmptyLayers::look_at_sources(const RowWindow& light, const RowWindow& transmittance, int64_t y) {
   const int64_t colours = shape_.channels - 1, blocks = skips_.blocks();
-  for (int64_t l = 0; l < shape_.layers; ++l) {
+  for (int64_t l = 0; l + 1 < shape_.layers; ++l) {  // behind the last one there is nothing
     uint8_t *opaque = opaque_.row(l, y - first_), *transparent = transparent_.row(l, y - first_);
     std::fill_n(opaque, blocks, uint8_t{1});
     std::fill_n(transparent, blocks, uint8_t{1});
-    and_equal(transmittance.row(y, l), 0, shape_.width, blocks, opaque);
-    and_equal(transmittance.row(y, l), 1, shape_.width, blocks, transparent);
+    keep_equal(transmittance.row(y, l), 0, shape_.width, blocks, opaque);
+    keep_equal(transmittance.row(y, l), 1, shape_.width, blocks, transparent);
     for (int64_t c = 0; c < colours; ++c)
-      and_equal(light.row(y, l * colours + c), 0, shape_.width, blocks, transparent);
+      keep_equal(light.row(y, l * colours + c), 0, shape_.width, blocks, transparent);
   }
 }
 
@@ -68,9 +75,10 @@ void EmptyLayers::decide(int64_t y) {
   const int64_t sides = (radius + kBlock - 1) / kBlock;
   std::vector<uint8_t> opaque(static_cast<size_t>(blocks)), transparent(opaque), is_hidden(opaque);
   for (int64_t l = 0; l < shape_.layers; ++l) {
+    const bool is_last = l + 1 == shape_.layers;  // which may be hidden alone
     std::fill(opaque.begin(), opaque.end(), uint8_t{1});
-    std::fill(transparent.begin(), transparent.end(), uint8_t{1});
-    for (int64_t v = first; v < last; ++v) {
+    std::fill(transparent.begin(), transparent.end(), uint8_t(is_last ? 0 : 1));
+    for (int64_t v = first; v < last && !is_last; ++v) {
       and_row(opaque.data(), opaque_.row(l, v - first_), blocks);
       and_row(transparent.data(), transparent_.row(l, v - first_), blocks);
     }

@@ -36,11 +36,13 @@ int64_t LightRanges::bytes() const {
 
 void LightRanges::begin_row(int64_t y) {
   std::fill_n(ranges_.begin() + y * blocks_ * channels_, blocks_ * channels_, Range());
+  std::fill_n(even_.begin() + y * blocks_, blocks_, uint8_t{1});
   std::fill_n(drawn_.begin() + y * picture_.width, picture_.width, uint8_t{0});
 }
 
 void LightRanges::add(int64_t y, const SampleStretch& row, const graph::LightParts& parts) {
   std::vector<const float*> planes;
+  planes.reserve(size_t(channels_));
   for (int c = 0; c < 3; ++c) planes.push_back(row.plane(kRadianceOffset + c));
   for (size_t part = 0; part < size_t(parts.colours); ++part)
     for (int c = 0; c < 3; ++c) planes.push_back(row.part(part, c));
@@ -48,14 +50,15 @@ void LightRanges::add(int64_t y, const SampleStretch& row, const graph::LightPar
   const uint8_t* valid = row.valid();
   uint8_t* drawn = drawn_.data() + y * picture_.width;
   for (int64_t b = 0; b < blocks_; ++b) {
-    Range* ranges = &ranges_[block(y, b) * size_t(channels_)];
     // Most blocks have noise, and are done with their first sample.
-    if (!is_even(ranges[0]) || !is_even(ranges[1]) || !is_even(ranges[2])) continue;
+    if (even_[block(y, b)] == 0) continue;
+    Range* ranges = &ranges_[block(y, b) * size_t(channels_)];
     const int64_t first = b * kBlock, end = std::min(first + kBlock, picture_.width);
     for (int64_t x = first; x < end; ++x) drawn[x] = uint8_t(drawn[x] | valid[x]);
     for (size_t c = 0; c < planes.size(); ++c)
       for (int64_t x = first; x < end; ++x)
         if (valid[x] != 0) ranges[c].include({planes[c][x], planes[c][x]});
+    even_[block(y, b)] = uint8_t(is_even(ranges[0]) && is_even(ranges[1]) && is_even(ranges[2]));
   }
 }
 
@@ -81,10 +84,9 @@ LightRanges::Range LightRanges::range_around(int64_t y, int64_t b, int64_t chann
 }
 
 bool LightRanges::is_even_around(int64_t y, int64_t b) const {
+  if (even_[block(y, b)] == 0) return false;  // of its own
   bool black = true;
   for (int64_t c = 0; c < channels_; ++c) {
-    // Most have noise of their own.
-    if (!is_even(ranges_[block(y, b) * size_t(channels_) + size_t(c)])) return false;
     const Range range = range_around(y, b, c);
     if (!is_even(range)) return false;
     black = black && range.is_black();
@@ -102,7 +104,7 @@ void LightRanges::find_even(SampleSource& source, int threads) {
     });
   };
   find();
-  if (!reach_.albedo && !reach_.specular) return;
+  if ((!reach_.albedo && !reach_.specular) || std::count(even_.begin(), even_.end(), uint8_t{1}) == 0) return;
   // Whether there are surfaces is asked only where it matters: in the reach of what seems even.
   std::vector<uint8_t> asked(even_.size());
   for (int64_t y = 0; y < picture_.height; ++y)

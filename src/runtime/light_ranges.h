@@ -82,7 +82,7 @@ class LightRanges {
   std::vector<Range> ranges_;        // [height, blocks, channels]
   std::vector<uint8_t> drawn_;       // [height, width]: whether a pixel has samples
   std::vector<uint8_t> black_only_;  // [height, blocks]: holes and surfaces
-  std::vector<uint8_t> even_;        // [height, blocks]
+  std::vector<uint8_t> even_;        // [height, blocks]: by itself while rows are read, then with its reach
 };
 
 }  // namespace ld
