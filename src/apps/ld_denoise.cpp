@@ -26,6 +26,7 @@ struct Options {
   bool blend = false, both_ways = false;
   std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
+  std::string skip_within = "1e-4";
   std::string movie;
   double frames_a_second = 24;
   int samples = 0;
@@ -64,6 +65,11 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--max-memory", o.max_memory,
                  "MB that the process may take, the samples of the input aside (default: no bound)")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
+  app.add_option(
+         "--skip-within", o.skip_within,
+         "leave out work that changes the picture x by at most so much times 1 + x; 0: by no bit; off: "
+         "leave nothing out")
+      ->capture_default_str();
   app.add_flag("--float", o.full_float, "full floats in EXR (default: half)");
   ld::repeated(
       app.add_option("--also", o.also,
@@ -136,6 +142,17 @@ std::pair<int, int> pixel_of(const std::string& text) {
   return {x, y};
 }
 
+/// Of --skip-within; nothing for "off".
+std::optional<double> skip_within_of(const std::string& text) {
+  if (text == "off") return std::nullopt;
+  double within = -1;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, within);
+  if (error != std::errc() || stop != end || !(within >= 0 && within <= 1))
+    ld::fail_command_line("--skip-within '{}': expected a number from 0 to 1, or off", text);
+  return within;
+}
+
 /// The view that will be read, as far as it is said before the files are looked at.
 std::string said_view(const Options& o) {
   if (!o.view.empty()) return o.view;
@@ -194,6 +211,7 @@ ld::DenoiseJob job_of(Options o) {
   job.tasks = ld::plan_tasks(inputs, o.output, range, job.render.mapping.has_value());
   if (!job.filter) job.model = ld::resolve_model(model_for(o, job, first));
   job.max_memory_bytes = o.max_memory * ld::kBudgetMegabyte;
+  job.skip_within = skip_within_of(o.skip_within);
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;

@@ -252,4 +252,15 @@ bool is_pixelwise(const Operator& op);
 int64_t rows_read_to(const Operator& op, int64_t end, int64_t height);
 int64_t rows_read_from(const Operator& op, int64_t begin, int64_t height);
 
+/// Pixels of a row or of a column, [begin, end).
+struct Span {
+  int64_t begin = 0, end = 0;
+  bool empty() const { return begin >= end; }
+  bool meets(int64_t first, int64_t count) const { return first < end && begin < first + count; }
+};
+
+/// Which of an input's pixels, on either axis, of which there are `size`, an operator makes those of its
+/// result from that lie in `made`; in whole pairs for those that make pairs.
+Span pixels_read(const Operator& op, Span made, int64_t size);
+
 }  // namespace ld::graph

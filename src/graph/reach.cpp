@@ -109,4 +109,12 @@ int64_t rows_read_from(const Operator& op, int64_t begin, int64_t height) {
   return std::clamp<int64_t>(std::visit(ReadFrom{begin, height}, op), 0, height);
 }
 
+Span pixels_read(const Operator& op, Span made, int64_t size) {
+  if (made.empty()) return {};
+  if (const auto* splat = std::get_if<Splat>(&op))  // strips say what is kept, not what is sent
+    return {std::max<int64_t>(made.begin - splat->kernel / 2, 0),
+            std::min(made.end + splat->kernel / 2, size)};
+  return {rows_read_from(op, made.begin, size), rows_read_to(op, made.end, size)};
+}
+
 }  // namespace ld::graph

@@ -61,6 +61,7 @@ class Run {
       denoiser_.emplace(job.model);
     how_.threads = job.threads;
     how_.max_memory_bytes = job.max_memory_bytes;
+    how_.skip_within = job.skip_within;
     how_.cancel = stop_requested;
     how_.progress = [this](double share) { advance_to(int64_t(share * kSteps)); };
     check_job(job, denoiser_ ? &*denoiser_ : nullptr, filter_ ? &*filter_ : nullptr);
@@ -103,6 +104,7 @@ class Run {
       denoised.picture = filter_->denoise(frame, state_, threads_);
     else
       denoised = denoiser_->denoise_parts(frame, job_.filter_alpha, how_, &state_);
+    const Skipped skipped = filter_ ? Skipped() : denoiser_->skipped();
     std::optional<int64_t> future;
     if (backward_)
       future =
@@ -124,20 +126,23 @@ class Run {
     spdlog::info("{} ({}x{}, {} spp) denoised in {:.2f} s; peak memory {} MB beside {} MB of samples: {}",
                  name, frame.width, frame.height, frame.spp, seconds, peak - samples, samples,
                  task.output.string());
-    nlohmann::ordered_json entry = {{"input", name},
-                                    {"output", task.output.string()},
-                                    {"width", frame.width},
-                                    {"height", frame.height},
-                                    {"spp", frame.spp},
-                                    {"also", names_of(frame.parts)},
-                                    {"history", state_.history()},
-                                    {"seconds", seconds},
-                                    {"peak_memory_mb", peak},
-                                    {"input_memory_mb", samples},
-                                    {"masked_samples", input.faults.not_finite},
-                                    {"mended_guides", input.faults.guides},
-                                    {"mended_parts", input.faults.parts},
-                                    {"negative_values", input.faults.negative}};
+    tell_what_was_skipped(skipped);
+    nlohmann::ordered_json entry = {
+        {"input", name},
+        {"output", task.output.string()},
+        {"width", frame.width},
+        {"height", frame.height},
+        {"spp", frame.spp},
+        {"also", names_of(frame.parts)},
+        {"history", state_.history()},
+        {"seconds", seconds},
+        {"skipped", {{"pixels", skipped.pixels}, {"samples", skipped.samples}, {"layers", skipped.layers}}},
+        {"peak_memory_mb", peak},
+        {"input_memory_mb", samples},
+        {"masked_samples", input.faults.not_finite},
+        {"mended_guides", input.faults.guides},
+        {"mended_parts", input.faults.parts},
+        {"negative_values", input.faults.negative}};
     if (future) entry["future"] = *future;
     return entry;
   }
@@ -186,6 +191,19 @@ class Run {
     if (told_ || input.taken.empty()) return;
     told_ = true;
     for (const std::string& line : input.taken) spdlog::info("{}", line);
+  }
+
+  /// Of a model.
+  void tell_what_was_skipped(const Skipped& skipped) const {
+    if (filter_ || !job_.skip_within) return;
+    const std::string why =
+        denoiser_->can_skip_even_light()
+            ? ""
+            : fmt::format("; network '{}' has to run everywhere", denoiser_->network_config().name);
+    spdlog::info(
+        "skipped: {:.1f} % of the pixels (even light), {:.1f} % of the samples (equal ones), {:.1f} % of the "
+        "layers' pixels (no influence){}",
+        100 * skipped.pixels, 100 * skipped.samples, 100 * skipped.layers, why);
   }
 
   void advance_to(int64_t step) {

@@ -20,10 +20,11 @@ struct DenoiseJob {
   std::optional<FilterArgument> filter;  // a denoiser without weights
   std::vector<DenoiseTask> tasks;
   RenderInput render;
-  int threads = 0;               // 0: default_threads()
-  int64_t max_memory_bytes = 0;  // 0: no limit
-  int samples = 0;               // the first so many of each frame; 0: all
-  bool skip_existing = false;    // pictures that are there are left alone
+  int threads = 0;                           // 0: default_threads()
+  int64_t max_memory_bytes = 0;              // 0: no limit
+  std::optional<double> skip_within = 1e-4;  // DenoiseOptions::skip_within
+  int samples = 0;                           // the first so many of each frame; 0: all
+  bool skip_existing = false;                // pictures that are there are left alone
   bool full_float = false;
   bool blend = false;         // towards the samples' mean, as far as it is the better one (inference/blend.h)
   bool both_ways = false;     // sequences forwards and backwards in time (inference/both_ways.h)

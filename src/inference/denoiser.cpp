@@ -7,6 +7,7 @@
 
 #include "core/process/process_memory.h"
 #include "core/threads.h"
+#include "graph/light_reach.h"
 #include "inference/layer_views.h"
 #include "models/graphs/network_graph.h"
 #include "models/network_numbers.h"
@@ -59,10 +60,12 @@ struct Denoiser::State {
   std::unique_ptr<Execution> execution;
   int threads = 0;
   int64_t budget = 0;
+  std::optional<double> skip_within;
 
   std::unique_ptr<Execution> plan(const graph::Graph& of, const PictureExtent& picture, int used_threads,
-                                  int64_t block = 0) const {
-    return std::make_unique<Execution>(of, network.weights, picture, ExecutionOptions{used_threads, block});
+                                  int64_t block = 0, std::optional<double> skip = 0) const {
+    return std::make_unique<Execution>(of, network.weights, picture,
+                                       ExecutionOptions{used_threads, block, skip});
   }
 
   /// With as many rows at a time as the budget allows.
@@ -74,7 +77,7 @@ struct Denoiser::State {
            picture.height, picture.samples);
     malloc_trim(0);  // what earlier plans have freed
     const int64_t base = std::max<int64_t>(resident_bytes() - input.aside, 0) + kThreads;
-    auto made = plan(of, picture, threads_of(options));
+    auto made = plan(of, picture, threads_of(options), 0, options.skip_within);
     if (options.max_memory_bytes <= 0) return made;
     while (base + made->memory_bytes() > options.max_memory_bytes) {
       const int64_t block = made->block_rows();
@@ -85,7 +88,7 @@ struct Denoiser::State {
             options.max_memory_bytes / kBudgetMegabyte, picture.width, picture.height, picture.samples,
             megabytes(base + made->memory_bytes()), megabytes(base));
       made.reset();
-      made = plan(of, picture, threads_of(options), block / 2);
+      made = plan(of, picture, threads_of(options), block / 2, options.skip_within);
     }
     return made;
   }
@@ -93,13 +96,15 @@ struct Denoiser::State {
   Execution& execution_for(const Input& input, const graph::LightParts& parts,
                            const DenoiseOptions& options) {
     const bool fits = execution && execution->picture() == input.picture && graph.parts == parts &&
-                      threads == threads_of(options) && budget == options.max_memory_bytes;
+                      threads == threads_of(options) && budget == options.max_memory_bytes &&
+                      skip_within == options.skip_within;
     if (!fits) {
       execution.reset();
       graph = network_graph(network.config, parts);
       execution = plan(graph, input, options);
       threads = threads_of(options);
       budget = options.max_memory_bytes;
+      skip_within = options.skip_within;
     }
     return *execution;
   }
@@ -191,6 +196,14 @@ Image Denoiser::frames_held(const SequenceState& sequence, int width, int height
   std::fill(frames.pixels.begin(), frames.pixels.end(),
             std::min(float(sequence.history() + 1), float(kLongestHistory)));
   return frames;
+}
+
+Skipped Denoiser::skipped() const {
+  return state_->execution ? state_->execution->skipped() : Skipped();
+}
+
+bool Denoiser::can_skip_even_light() const {
+  return !remembers() && graph::light_reach(state_->network.graph).has_value();
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {

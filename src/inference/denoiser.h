@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/error.h"
 #include "frame/sample_arrays.h"
+#include "runtime/skipped.h"
 #include "sequence/sequence_state.h"
 
 namespace ld {
@@ -19,12 +21,17 @@ struct NetworkConfig;
 /// What budgets and the messages about them call an MB.
 inline constexpr int64_t kBudgetMegabyte = int64_t(1) << 20;
 
-/// How a frame is denoised; nothing here changes a bit of the result.
+/// How a frame is denoised; nothing here but skip_within above 0 changes a bit of the result.
 struct DenoiseOptions {
   int threads = 0;  // 0: default_threads()
   /// What the process may take while it denoises, the frame itself aside: program, libraries, weights and
   /// everything that is computed. 0: no limit.
   int64_t max_memory_bytes = 0;
+  /// Work whose result is known beforehand is left out. So the picture x is another by at most skip_within (1
+  /// + |x|): absolute for dark and relative for bright light. 0: by no bit. Nothing: no work is left out.
+  /// Networks that remember, blend resolutions or predict light have nothing to leave out but what is the
+  /// same bit for bit. What was left out: Denoiser::skipped().
+  std::optional<double> skip_within = 0;
   /// Called from the calling thread with the share that is done, 0 to 1, a few dozen times a frame.
   std::function<void(double)> progress;
   /// Asked as often; true ends denoise() with Cancelled.
@@ -102,6 +109,10 @@ class Denoiser {
   /// that do not remember, the frames since the start, which weighs the directions of a film but promises no
   /// noise.
   Image frames_held(const SequenceState& sequence, int width, int height) const;
+  /// What the last denoise() or denoise_parts() has left out.
+  Skipped skipped() const;
+  /// Whether work can be left out for even light, or only what is the same bit for bit.
+  bool can_skip_even_light() const;
 
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
   int64_t least_memory_bytes(int width, int height, int spp) const;

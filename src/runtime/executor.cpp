@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <type_traits>
 #include <variant>
 
 #include "core/error.h"
 #include "runtime/arena.h"
 #include "runtime/denormals.h"
+#include "runtime/light_ranges.h"
+#include "runtime/parallel.h"
 #include "runtime/sample_source.h"
 #include "runtime/step.h"
 #include "runtime/tile_unit.h"
@@ -52,12 +55,14 @@ struct Execution::State {
   std::vector<double> row_work;  // of each unit, a row of its output
   decltype(ExecutionOptions::made) made;
   FrameState* left = nullptr;  // of the frame that runs
+  std::optional<LightRanges> ranges;
+  int64_t even_pixels = 0;  // of the frame that runs
   double work = 0;
 
   State(const graph::Graph& graph, const NamedWeights& weights, const PictureExtent& picture,
         const ExecutionOptions& options)
       : block(options.block_rows > 0 ? options.block_rows : default_block(options.threads, picture.width)),
-        context{graph, weights, picture, std::max(options.threads, 1), {}},
+        context{graph, weights, picture, std::max(options.threads, 1), {}, {graph, picture}},
         schedule(graph, picture, block),
         arena_floats(make_windows()),
         arena(arena_floats),
@@ -68,6 +73,10 @@ struct Execution::State {
       window.memory = next;
       next += Arena::round_up(window.floats());
     }
+    context.skips = options.skip_within.has_value();
+    if (context.skips && graph.outputs().size() == 1 && graph.state.empty())
+      if (const auto reach = graph::light_reach(graph))
+        ranges.emplace(*reach, picture, 3 + graph.parts.channels(), *options.skip_within);
     for (const Unit& unit : schedule.units()) {
       steps.push_back(make_unit(unit, context));
       row_work.push_back(0);
@@ -165,7 +174,52 @@ struct Execution::State {
     expect_state(before);
     context.before = before.empty() ? nullptr : &before;
     context.seconds.assign(context.graph.nodes.size(), 0);
+    context.copied.assign(size_t(context.threads), 0);
+    context.empty_layers.assign(size_t(context.threads), 0);
+    want_uneven_pixels(source);
     for (const auto& step : steps) step->start();
+  }
+
+  LightRanges* ranges_of(const PictureExtent& given) {
+    return ranges && given == context.picture ? &*ranges : nullptr;
+  }
+
+  /// Only those of the picture that are not known beforehand.
+  void want_uneven_pixels(SampleSource& source) {
+    even_pixels = 0;
+    if (!ranges) return;
+    ranges->find_even(source, context.threads);
+    const std::vector<graph::Span> uneven = ranges->uneven_rows();
+    even_pixels = context.picture.height * context.picture.width;
+    for (const graph::Span& row : uneven) even_pixels -= row.end - row.begin;
+    if (even_pixels > 0)
+      context.demand.want(uneven);
+    else
+      context.demand.want_all();
+  }
+
+  /// The others, of rows that are made.
+  void fill_even_pixels(int64_t begin, int64_t end) {
+    if (even_pixels == 0) return;
+    const RowWindow& out = context.windows[outputs[0]];
+    parallel_for(context.threads, end - begin, [&](int64_t i, int) {
+      ranges->fill(begin + i, {out.row(begin + i), out.pitch});
+    });
+  }
+
+  Skipped skipped() const {
+    const auto sum = [](const std::vector<int64_t>& of_threads) {
+      return double(std::accumulate(of_threads.begin(), of_threads.end(), int64_t{0}));
+    };
+    double samples = 0, layers = 0;
+    for (const graph::Node& node : context.graph.nodes) {
+      const ValueExtent extent = extent_of(context.graph, node.outputs[0], context.picture);
+      const double items = double(context.items(node.outputs[0]) * extent.height * extent.width);
+      if (std::holds_alternative<graph::FullyConnected>(node.op)) samples += items;
+      if (std::holds_alternative<graph::Splat>(node.op)) layers += items;
+    }
+    return {double(even_pixels) / double(context.picture.height * context.picture.width),
+            sum(context.copied) / std::max(samples, 1.0), sum(context.empty_layers) / std::max(layers, 1.0)};
   }
 
   void run(size_t unit, int64_t begin, int64_t end) {
@@ -196,7 +250,10 @@ struct Execution::State {
           told = share;
           progress(share);
         },
-        rows);
+        [&](int64_t first, int64_t last) {
+          fill_even_pixels(first, last);
+          rows(first, last);
+        });
     if (progress && told < 1) progress(1);
   }
 };
@@ -221,6 +278,7 @@ int64_t Execution::arena_bytes() const {
 
 int64_t Execution::memory_bytes() const {
   int64_t bytes = arena_bytes() + 2 * state_->state_bytes();  // the last frame's and this one's
+  if (state_->ranges) bytes += state_->ranges->bytes();
   for (const auto& step : state_->steps) bytes += step->scratch_bytes(state_->block);
   // Steps have the weights in the order in which they read them.
   for (const graph::Parameter& parameter : graph::parameters(state_->context.graph))
@@ -232,6 +290,10 @@ const std::vector<double>& Execution::seconds() const {
   return state_->context.seconds;
 }
 
+Skipped Execution::skipped() const {
+  return state_->skipped();
+}
+
 const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
   return state_->context.windows[state_->outputs[output]].row(y, plane);
 }
@@ -239,14 +301,16 @@ const float* Execution::row(size_t output, int64_t plane, int64_t y) const {
 void Execution::run(const Frame& frame, const Progress& progress, const Rows& rows, const FrameState& before,
                     FrameState* after) {
   const FlushedDenormals flushed(state_->context.threads);
-  FrameSource source(frame, state_->context.graph, state_->context.threads);
+  FrameSource source(frame, state_->context.graph, state_->context.threads,
+                     state_->ranges_of({frame.spp, frame.height, frame.width}));
   state_->walk(source, progress, rows, before, after);
 }
 
 void Execution::run(const SampleArrays& arrays, const Progress& progress, const Rows& rows,
                     const FrameState& before, FrameState* after) {
   const FlushedDenormals flushed(state_->context.threads);
-  ArraySource source(arrays, state_->context.graph, state_->context.threads);
+  ArraySource source(arrays, state_->context.graph, state_->context.threads,
+                     state_->ranges_of({arrays.spp, arrays.height, arrays.width}));
   state_->walk(source, progress, rows, before, after);
 }
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "frame/sample_arrays.h"
@@ -10,14 +11,20 @@
 #include "runtime/frame_state.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
+#include "runtime/skipped.h"
 #include "weights/named_weights.h"
 
 namespace ld {
 
-/// Nothing here changes a bit of the result.
+/// Nothing here but skip_within above 0 changes a bit of the result.
 struct ExecutionOptions {
   int threads = 1;
   int64_t block_rows = 0;  // rows of full resolution that are made at a time; 0: as suits the threads
+  /// Work whose result is known is left out: samples that are the pixel's first again, layers without
+  /// influence, and the network where the light is so even that its result x differs by at most `skip_within`
+  /// (1 + |x|) from what is known beforehand (runtime/light_ranges.h). 0: only what is the same bit for bit.
+  /// Nothing: no work is left out.
+  std::optional<double> skip_within = {};
   /// Called whenever rows [begin, end) of a value were made, which lie in its window; not for values that
   /// pixelwise operators leave to one another (runtime/unit.h). May be empty.
   std::function<void(graph::ValueId value, const RowWindow& rows, int64_t begin, int64_t end)> made = {};
@@ -57,6 +64,8 @@ class Execution {
 
   /// What each node of the graph took in the last run.
   const std::vector<double>& seconds() const;
+  /// What the last run has left out.
+  Skipped skipped() const;
 
   /// All rows of all values that exist at a time.
   int64_t arena_bytes() const;

@@ -4,6 +4,7 @@
 
 #include "models/log_luminance.h"
 #include "ops/kernels/constants.h"
+#include "runtime/light_ranges.h"
 #include "runtime/parallel.h"
 #include "runtime/step.h"
 
@@ -51,7 +52,8 @@ class RowLight {
 
 struct WantedLight {
   bool exposure;
-  int64_t colours;  // parts
+  graph::LightParts parts;
+  LightRanges* ranges = nullptr;
 };
 
 /// read(sample, y, thread) gives a whole row of radiance, parts and mask, once.
@@ -66,15 +68,18 @@ Light measure_light(const graph::PictureExtent& picture, const WantedLight& want
   parallel_for(threads, picture.height, [&](int64_t y, int thread) {
     Row& row = rows[size_t(y)];
     RowLight light(wanted.exposure ? picture.width : 0);
+    if (wanted.ranges != nullptr) wanted.ranges->begin_row(y);
     for (int s = 0; s < int(picture.samples); ++s) {
       const SampleStretch stretch = read(s, y, thread);
       for (int c = 0; c < 3; ++c) {
         row.large = any_large(stretch.plane(kRadianceOffset + c), picture.width) || row.large;
-        for (size_t part = 0; part < size_t(wanted.colours); ++part)
+        for (size_t part = 0; part < size_t(wanted.parts.colours); ++part)
           row.large_part = any_large(stretch.part(part, c), picture.width) || row.large_part;
       }
       light.add(stretch);
+      if (wanted.ranges != nullptr) wanted.ranges->add(y, stretch, wanted.parts);
     }
+    if (wanted.ranges != nullptr) wanted.ranges->end_row(y);
     row.luminance = light.mean();
   });
   Light light;
@@ -94,15 +99,21 @@ Light measure_light(const Frame& frame, const WantedLight& wanted, int threads) 
   });
 }
 
-}  // namespace
-
-FrameSource::FrameSource(const Frame& frame, const graph::Graph& graph, int threads) : frame_(frame) {
-  depth_scale = frame.info.depth_scale;
-  const int64_t colours = std::min(graph.parts.colours, int64_t(frame.parts.size()));
-  light = measure_light(frame, {graph.exposed, colours}, threads);
+/// The graph's, as far as there are any: that all are there is checked later.
+graph::LightParts parts_to_read(const graph::Graph& graph, const graph::LightParts& held) {
+  return {std::min(graph.parts.colours, held.colours), graph.parts.alpha && held.alpha};
 }
 
-ArraySource::ArraySource(const SampleArrays& arrays, const graph::Graph& graph, int threads)
+}  // namespace
+
+FrameSource::FrameSource(const Frame& frame, const graph::Graph& graph, int threads, LightRanges* ranges)
+    : frame_(frame) {
+  depth_scale = frame.info.depth_scale;
+  light = measure_light(frame, {graph.exposed, parts_to_read(graph, parts()), ranges}, threads);
+}
+
+ArraySource::ArraySource(const SampleArrays& arrays, const graph::Graph& graph, int threads,
+                         LightRanges* ranges)
     : arrays_(arrays), valid_(size_t(bytes(arrays))) {
   SampleArrays alone = arrays;  // radiance, parts and alpha
   alone.features.erase(
@@ -114,8 +125,8 @@ ArraySource::ArraySource(const SampleArrays& arrays, const graph::Graph& graph, 
     rows.push_back(alone.make_frame(arrays.width));
     tiles_.push_back(arrays.make_frame(int(kTilePixels)));
   }
-  const int64_t colours = std::min(graph.parts.colours, int64_t(arrays.parts.size()));
-  light = measure_light(extent(), {graph.exposed, colours}, threads, [&](int s, int64_t y, int thread) {
+  const WantedLight wanted = {graph.exposed, parts_to_read(graph, parts()), ranges};
+  light = measure_light(extent(), wanted, threads, [&](int s, int64_t y, int thread) {
     Frame& row = rows[size_t(thread)];
     alone.copy({s, int(y), 0, arrays.width}, row);
     std::copy(row.valid.begin(), row.valid.end(), valid_.begin() + (s * arrays.height + y) * arrays.width);
@@ -132,7 +143,7 @@ SampleStretch ArraySource::read(int sample, const PixelTile& tile) {
 }
 
 double frame_exposure(const Frame& frame, int threads) {
-  return measure_light(frame, {true, 0}, threads).exposure;
+  return measure_light(frame, {true, {}}, threads).exposure;
 }
 
 }  // namespace ld

@@ -11,6 +11,8 @@
 
 namespace ld {
 
+class LightRanges;
+
 /// One sample of some pixels in a row, sanitised: that of `frame`, from its pixel `first` on.
 struct SampleStretch {
   const Frame* frame = nullptr;
@@ -44,9 +46,10 @@ class SampleSource {
 };
 
 /// Frames have been sanitised and have a depth scale. Neither source depends on the number of threads.
+/// `ranges` receives the rows of the light, where it is given.
 class FrameSource : public SampleSource {
  public:
-  FrameSource(const Frame& frame, const graph::Graph& graph, int threads);
+  FrameSource(const Frame& frame, const graph::Graph& graph, int threads, LightRanges* ranges);
   graph::PictureExtent extent() const override { return {frame_.spp, frame_.height, frame_.width}; }
   graph::LightParts parts() const override { return {int64_t(frame_.parts.size()), !frame_.alpha.empty()}; }
   SampleStretch read(int sample, const PixelTile& tile) override {
@@ -60,7 +63,7 @@ class FrameSource : public SampleSource {
 /// Sanitises what it reads, in memory for a tile.
 class ArraySource : public SampleSource {
  public:
-  ArraySource(const SampleArrays& arrays, const graph::Graph& graph, int threads);
+  ArraySource(const SampleArrays& arrays, const graph::Graph& graph, int threads, LightRanges* ranges);
   graph::PictureExtent extent() const override { return {arrays_.spp, arrays_.height, arrays_.width}; }
   graph::LightParts parts() const override {
     return {int64_t(arrays_.parts.size()), arrays_.alpha.has_value()};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "runtime/demand.h"
 #include "runtime/frame_state.h"
 #include "runtime/row_schedule.h"
 #include "runtime/row_window.h"
@@ -44,6 +45,10 @@ struct StepContext {
   std::vector<RowWindow> windows;  // of each value
 
   // Of the frame that runs.
+  Demand demand;                           // what is read of each value: steps make nothing else
+  bool skips = false;                      // whether work is looked for whose result is known
+  std::vector<int64_t> copied = {};        // by each thread: a pixel's items that are its first again
+  std::vector<int64_t> empty_layers = {};  // by each thread: pixels of layers without influence
   SampleSource* source = nullptr;
   const FrameState* before = nullptr;  // null at the start of a sequence
   std::vector<double> seconds = {};    // that each node has taken so far

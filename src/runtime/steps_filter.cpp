@@ -5,11 +5,13 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <thread>
 
 #include "models/network_numbers.h"
 #include "ops/kernels/sample_tile.h"
 #include "ops/kernels/splat.h"
+#include "runtime/empty_layers.h"
 #include "runtime/fully_connected_rows.h"
 #include "runtime/parallel.h"
 #include "runtime/tile_step.h"
@@ -21,6 +23,7 @@ class SplatStep : public Step {
  public:
   SplatStep(const graph::Splat& op, const graph::Node& node, StepContext& context)
       : op_(op),
+        node_(node),
         context_(context),
         embedding_(context.input(node, 0)),
         shared_(context.input(node, 1)),
@@ -38,6 +41,7 @@ class SplatStep : public Step {
     main_ = context.graph[node.inputs[3]].channels - context.graph[node.inputs[3]].parts;
     parts_ = context.graph[node.inputs[3]].parts;
     pixels_ = stretch_pixels(shape_.layers * shape_.taps(), shape_.width);
+    finds_empty_ = context.skips && shape_.layers > 1 && values_.size() == 2 && is_composited(node);
     for (int t = 0; t < context.threads; ++t) workers_.emplace_back(network_, shape_, pixels_);
   }
 
@@ -50,19 +54,23 @@ class SplatStep : public Step {
     const int64_t strips = (rows + 2 * shape_.radius()) / op_.rows + 2,
                   most = (shape_.height + op_.rows - 1) / op_.rows;
     const SplatStrip one(shape_, op_.joint, 0, std::min(op_.rows, shape_.height));
-    return std::min(strips, most) * one.floats() * int64_t(sizeof(float));
+    const int64_t of_layers = finds_empty_ ? EmptyLayers::bytes(shape_, op_.rows) : 0;
+    return std::min(strips, most) * (one.floats() * int64_t(sizeof(float)) + of_layers);
   }
 
   void run(int64_t begin, int64_t end) override {
     add_strips((std::min(end + shape_.radius(), shape_.height) + op_.rows - 1) / op_.rows);
     std::vector<SplatStrip*> strips;
-    for (const auto& strip : strips_) strips.push_back(strip.get());
-    parallel_for(context_.threads, end - begin, [&](int64_t i, int) {
+    for (const auto& strip : strips_) strips.push_back(&strip->sums);
+    parallel_for(context_.threads, end - begin, [&](int64_t i, int thread) {
       const int64_t y = begin + i;
       merge_row(shape_, op_.joint, strips, y, {out_.row(y), nullptr, nullptr, out_.pitch});
       for (int64_t c = 0; c < out_.planes; ++c)
         if (const float scale = scale_of(c % shape_.channels); scale != 1)
           for (int64_t x = 0; x < out_.width; ++x) out_.row(y, c)[x] /= scale;
+      for (const auto& strip : strips_)
+        if (strip->looked)
+          context_.empty_layers[size_t(thread)] += strip->empty->fill(y, {out_.row(y), out_.pitch});
     });
     while (!strips_.empty() && reach_of_front() <= end) drop_front();
   }
@@ -75,6 +83,21 @@ class SplatStep : public Step {
     Worker(const TileNetwork& network, const FilterShape& shape, int64_t pixels)
         : scratch(network.make_scratch(pixels, false)), sources(shape, pixels), finite(size_t(pixels)) {}
   };
+
+  struct Strip {
+    SplatStrip sums;
+    std::optional<EmptyLayers> empty;
+    bool looked = false;
+  };
+
+  /// Whether the layers of the result are composited, and read by nobody else.
+  bool is_composited(const graph::Node& node) const {
+    const std::vector<graph::Node>& nodes = context_.graph.nodes;
+    return !op_.joint && std::all_of(nodes.begin(), nodes.end(), [&](const graph::Node& other) {
+      return std::find(other.inputs.begin(), other.inputs.end(), node.outputs[0]) == other.inputs.end() ||
+             std::holds_alternative<graph::Composite>(other.op);
+    }) && node.outputs[0] != context_.graph.output;
+  }
 
   /// Keeps the memory of a strip that has all of its rows: it does for every other.
   void drop_front() {
@@ -93,7 +116,10 @@ class SplatStep : public Step {
   /// the even ones of all strips, then the odd ones, each after its neighbours, whatever the threads.
   void add_strips(int64_t count) {
     const auto first = int64_t(strips_.size());
-    for (; next_ < count; ++next_) strips_.push_back(begin_strip(next_ * op_.rows));
+    for (; next_ < count; ++next_) {
+      strips_.push_back(begin_strip(next_ * op_.rows));
+      look_at_layers(*strips_.back(), next_ * op_.rows);
+    }
     const int64_t made = int64_t(strips_.size()) - first, number = next_ - made;
     const int64_t stretches = (shape_.width + pixels_ - 1) / pixels_, even = (stretches + 1) / 2;
     std::vector<std::atomic<bool>> done(size_t(made * stretches));
@@ -113,22 +139,36 @@ class SplatStep : public Step {
     });
   }
 
-  std::unique_ptr<SplatStrip> begin_strip(int64_t first) {
+  std::unique_ptr<Strip> begin_strip(int64_t first) {
     const int64_t last = std::min(first + op_.rows, shape_.height);
-    if (spare_.empty()) return std::make_unique<SplatStrip>(shape_, op_.joint, first, last);
-    std::unique_ptr<SplatStrip> strip = std::move(spare_.back());
+    if (spare_.empty()) {
+      auto made = std::make_unique<Strip>(Strip{{shape_, op_.joint, first, last}, std::nullopt});
+      if (finds_empty_) made->empty.emplace(shape_, op_.rows);
+      return made;
+    }
+    std::unique_ptr<Strip> strip = std::move(spare_.back());
     spare_.pop_back();
-    strip->restart(shape_, first, last);
+    strip->sums.restart(shape_, first, last);
     return strip;
   }
 
+  void look_at_layers(Strip& strip, int64_t first) const {
+    // Values that filters scale are no longer those that were looked at.
+    strip.looked = strip.empty && context_.source->light.value_scale == 1;
+    if (strip.looked)
+      strip.empty->look(values_[0], values_[1], first, std::min(first + op_.rows, shape_.height),
+                        context_.threads);
+  }
+
   /// The stretches at `x` of a strip's sources: the rows that one reaches stay in the cache for the next.
-  void add_column(int64_t first, int64_t x, Worker& worker, SplatStrip& strip) const {
+  void add_column(int64_t first, int64_t x, Worker& worker, Strip& strip) const {
+    const SplatSkips* skips = strip.looked ? &strip.empty->skips() : nullptr;
     for (int64_t y = first; y < std::min(first + op_.rows, shape_.height); ++y) {
       const Stretch at{y, x, std::min(pixels_, shape_.width - x)};
+      if (!context_.demand.wants(node_.inputs[0], y, x, at.count)) continue;
       stage_stretch(at, worker);
       splat_exponents(shape_, worker.sources, at.count);
-      splat_stretch(shape_, worker.sources, at, strip);
+      splat_stretch(shape_, worker.sources, at, strip.sums, skips);
     }
   }
 
@@ -180,6 +220,7 @@ class SplatStep : public Step {
   }
 
   graph::Splat op_;
+  const graph::Node& node_;
   StepContext& context_;
   RowWindow embedding_, shared_, log_n_, out_;
   std::vector<RowWindow> values_;
@@ -188,16 +229,18 @@ class SplatStep : public Step {
   int64_t main_ = 0, parts_ = 0;  // channels
   int64_t pixels_ = 0;
   std::vector<Worker> workers_;
-  std::deque<std::unique_ptr<SplatStrip>> strips_;  // those that rows to come still need
-  std::vector<std::unique_ptr<SplatStrip>> spare_;  // memory of those that are done
-  int64_t next_ = 0;                                // the number of the first strip that is not made
+  bool finds_empty_ = false;                   // layers without influence
+  std::deque<std::unique_ptr<Strip>> strips_;  // those that rows to come still need
+  std::vector<std::unique_ptr<Strip>> spare_;  // memory of those that are done
+  int64_t next_ = 0;                           // the number of the first strip that is not made
 };
 
 /// The network reads how steady the divisors are, and the context.
 class ModulationFactorsStep : public Step {
  public:
   ModulationFactorsStep(const graph::ModulationFactors& op, const graph::Node& node, StepContext& context)
-      : context_(context),
+      : node_(node),
+        context_(context),
         modulators_(context.input(node, 0)),
         shared_(context.input(node, 1)),
         out_(context.output(node)),
@@ -207,7 +250,7 @@ class ModulationFactorsStep : public Step {
   void run(int64_t begin, int64_t end) override {
     for_each_stretch(context_.threads, begin, end, out_.width, kTilePixels,
                      [&](int64_t y, int64_t x, int64_t count, int thread) {
-                       make({y, x, count, thread});
+                       if (context_.demand.wants(node_, y, x, count)) make({y, x, count, thread});
                      });
   }
 
@@ -224,6 +267,7 @@ class ModulationFactorsStep : public Step {
     modulation_factors(modulators_.at(tile), scratch.a.back(), padded(tile.count), out_.at(tile));
   }
 
+  const graph::Node& node_;
   StepContext& context_;
   RowWindow modulators_, shared_, out_;
   TileNetwork network_;

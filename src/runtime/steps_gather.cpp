@@ -14,12 +14,13 @@ namespace {
 /// What gathers share: sources in rows, and a stretch at a time of the results.
 class GatheringStep : public Step {
  public:
-  GatheringStep(StepContext& context, int64_t kernel, const RowWindow& log_n, graph::ValueId values,
-                const RowWindow& out)
-      : context_(context),
+  GatheringStep(StepContext& context, const graph::Node& node, int64_t kernel, const RowWindow& log_n,
+                graph::ValueId values)
+      : node_(node),
+        context_(context),
         log_n_(log_n),
         values_(context.windows[values]),
-        out_(out),
+        out_(context.output(node)),
         main_(context.graph[values].channels - context.graph[values].parts),
         shape_{1, kernel, values_.planes, values_.height, values_.width},
         pixels_(stretch_pixels(shape_.taps(), shape_.width)),
@@ -39,6 +40,7 @@ class GatheringStep : public Step {
       fill(filled_);
     for_each_stretch(context_.threads, begin, end, shape_.width, pixels_,
                      [&](int64_t y, int64_t x, int64_t count, int thread) {
+                       if (!context_.demand.wants(node_, y, x, count)) return;
                        GatherRow& row = rows_[size_t(thread)];
                        make_logits({y, x, count}, thread, row.logits);
                        gather_stretch(shape_, sources_, {y, x, count}, row);
@@ -76,6 +78,7 @@ class GatheringStep : public Step {
     sources_.fill_row(shape_, {finite_log_n_.data(), 0}, finite_values_.planar(0), y);
   }
 
+  const graph::Node& node_;
   StepContext& context_;
   RowWindow log_n_, values_, out_;
   int64_t main_;  // channels before those of parts
@@ -92,7 +95,7 @@ class GatheringStep : public Step {
 class GatherStep : public GatheringStep {
  public:
   GatherStep(const graph::Gather& op, const graph::Node& node, StepContext& context)
-      : GatheringStep(context, op.kernel, context.input(node, 2), node.inputs[3], context.output(node)),
+      : GatheringStep(context, node, op.kernel, context.input(node, 2), node.inputs[3]),
         embedding_(context.input(node, 0)),
         shared_(context.input(node, 1)),
         network_(tile_network(op.generator, context.weights, embedding_.planes, op.kernel * op.kernel)) {
@@ -115,7 +118,7 @@ class GatherStep : public GatheringStep {
 class GatherTapsStep : public GatheringStep {
  public:
   GatherTapsStep(const graph::GatherTaps& op, const graph::Node& node, StepContext& context)
-      : GatheringStep(context, op.kernel, context.input(node, 1), node.inputs[2], context.output(node)),
+      : GatheringStep(context, node, op.kernel, context.input(node, 1), node.inputs[2]),
         taps_(context.input(node, 0)),
         bound_(float(op.bound)) {}
 
@@ -136,7 +139,7 @@ class GatherTapsStep : public GatheringStep {
 class BlurStep : public GatheringStep {
  public:
   BlurStep(const graph::Blur& op, const graph::Node& node, StepContext& context)
-      : GatheringStep(context, op.kernel, context.input(node, 0), node.inputs[1], context.output(node)) {
+      : GatheringStep(context, node, op.kernel, context.input(node, 0), node.inputs[1]) {
     for (const double logit : op.logits()) logits_.push_back(float(logit));
   }
 

@@ -157,7 +157,7 @@ std::unique_ptr<Step> make_step(const graph::Recall& op, const graph::Node& node
 std::unique_ptr<Step> make_step(const graph::Compare& op, const graph::Node& node, StepContext& context) {
   const CompareRow row = {op.radius, context.input(node, 0), context.input(node, 1), context.input(node, 2),
                           context.output(node)};
-  return row_step(context, row.scratch(), row);
+  return row_step(context, node, row.scratch(), row);
 }
 std::unique_ptr<TileStep> make_step(const graph::Remember&, const graph::Node& node, StepContext& context) {
   const RowWindow logit = context.input(node, 0), light = context.input(node, 1),

@@ -142,12 +142,12 @@ std::unique_ptr<Step> make_step(const graph::Halve&, const graph::Node& node, St
     row.values.push_back(context.input(node, i));
     row.coarse_values.push_back(context.output(node, i));
   }
-  return row_step(context, row.scratch(), row);
+  return row_step(context, node, row.scratch(), row);
 }
 std::unique_ptr<Step> make_step(const graph::Received& op, const graph::Node& node, StepContext& context) {
   const RowWindow pixels = context.input(node, 0), out = context.output(node);
   const int64_t radius = op.kernel / 2;
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return row_step(context, node, 0, [=](int64_t y, float*) {
     std::fill_n(out.row(y), out.width, 0.0f);
     for (int64_t v = std::max<int64_t>(y - radius, 0); v <= std::min(y + radius, pixels.height - 1); ++v) {
       const float* from = pixels.row(v);

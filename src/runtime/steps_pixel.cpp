@@ -1,6 +1,7 @@
 // What happens to the items of a pixel by itself: fully connected networks and the partition.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <optional>
 
 #include "models/network_numbers.h"
@@ -15,7 +16,8 @@ namespace {
 class FullyConnectedStep : public TileStep {
  public:
   FullyConnectedStep(const graph::FullyConnected& op, const graph::Node& node, StepContext& context)
-      : x_(context.input(node, 0)),
+      : context_(context),
+        x_(context.input(node, 0)),
         out_(context.output(node)),
         items_(context.items(node.outputs[0])),
         network_(tile_network(op, context.weights, context.graph[node.inputs[0]].channels,
@@ -28,11 +30,30 @@ class FullyConnectedStep : public TileStep {
     TileNetwork::Scratch& scratch = scratch_[size_t(tile.thread)];
     if (shared_) network_.begin_tile(scratch, tile.count, shared_->at(tile));
     for (int64_t item = 0; item < items_; ++item)
-      network_.forward(scratch, tile.count, x_.at(tile, item * network_.x_inputs()),
-                       out_.at(tile, item * network_.outputs()));
+      if (context_.skips && item > 0 && is_first_again(tile, item))
+        copy_first(tile, item);
+      else
+        network_.forward(scratch, tile.count, x_.at(tile, item * network_.x_inputs()),
+                         out_.at(tile, item * network_.outputs()));
   }
 
  private:
+  /// Whether a pixel's item is its first, bit for bit, in the whole tile.
+  bool is_first_again(const PixelTile& tile, int64_t item) const {
+    const PlanarRow first = x_.at(tile), other = x_.at(tile, item * network_.x_inputs());
+    for (int64_t c = 0; c < network_.x_inputs(); ++c)
+      if (std::memcmp(first.plane(c), other.plane(c), size_t(tile.count) * sizeof(float)) != 0) return false;
+    return true;
+  }
+
+  void copy_first(const PixelTile& tile, int64_t item) const {
+    const PlanarTarget first = out_.at(tile), other = out_.at(tile, item * network_.outputs());
+    for (int64_t c = 0; c < network_.outputs(); ++c)
+      std::copy_n(first.plane(c), padded(tile.count), other.plane(c));
+    context_.copied[size_t(tile.thread)] += tile.count;
+  }
+
+  StepContext& context_;
   RowWindow x_, out_;
   std::optional<RowWindow> shared_;
   int64_t items_;

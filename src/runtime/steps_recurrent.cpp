@@ -117,7 +117,7 @@ std::unique_ptr<TileStep> make_step(const graph::RaiseRoots&, const graph::Node&
 
 std::unique_ptr<Step> make_step(const graph::RecallPart& op, const graph::Node& node, StepContext& context) {
   const RowWindow out = context.output(node);
-  return row_step(context, 0, [=, &context](int64_t y, float*) {
+  return row_step(context, node, 0, [=, &context](int64_t y, float*) {
     for (int64_t c = 0; c < out.planes; ++c) {
       float* to = out.row(y, c);
       std::fill_n(to, padded(out.width), 0.0f);

@@ -156,12 +156,12 @@ std::unique_ptr<Step> make_step(const graph::HalveLight& op, const graph::Node& 
                              context.output(node, 1),
                              demodulates ? context.output(node, 2) : RowWindow(),
                              demodulates};
-  return row_step(context, row.scratch(), row);
+  return row_step(context, node, row.scratch(), row);
 }
 
 std::unique_ptr<Step> make_step(const graph::SpaceToDepth&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return row_step(context, node, 0, [=](int64_t y, float*) {
     for (int64_t c = 0; c < out.planes; ++c) {
       const float* from = in.row(std::min(2 * y + c % 4 / 2, in.height - 1), c / 4);
       float* to = out.row(y, c);
@@ -172,7 +172,7 @@ std::unique_ptr<Step> make_step(const graph::SpaceToDepth&, const graph::Node& n
 
 std::unique_ptr<Step> make_step(const graph::DepthToSpace&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return row_step(context, node, 0, [=](int64_t y, float*) {
     for (int64_t c = 0; c < out.planes; ++c)
       for (int64_t j = 0; j < 2; ++j) {
         const float* from = in.row(y / 2, 4 * c + y % 2 * 2 + j);

@@ -59,6 +59,7 @@ class DirectConvolutionStep : public Step {
  public:
   DirectConvolutionStep(const graph::Convolution& op, const graph::Node& node, StepContext& context)
       : op_(op),
+        node_(node),
         context_(context),
         inputs_(node, context),
         out_(context.output(node)),
@@ -68,6 +69,7 @@ class DirectConvolutionStep : public Step {
     for_each_stretch(
         context_.threads, begin, end, padded(out_.width), kStretch,
         [&](int64_t y, int64_t x, int64_t count, int) {
+          if (!context_.demand.wants(node_, y, x, count)) return;
           convolve({&weights_, inputs_.sources<ConvolutionSource>(y - 1, 3), out_.row(y), out_.pitch, x,
                     x + count, out_.width, op_.slope == 1 ? Activation::none : Activation::leaky_relu,
                     float(op_.slope)});
@@ -78,6 +80,7 @@ class DirectConvolutionStep : public Step {
   static constexpr int64_t kStretch = 480;  // pixels: whole blocks of every vector width
 
   graph::Convolution op_;
+  const graph::Node& node_;
   StepContext& context_;
   ConvolutionInputs inputs_;
   RowWindow out_;
@@ -91,6 +94,7 @@ class TiledConvolutionStep : public Step {
   TiledConvolutionStep(const graph::Convolution& op, const graph::Node& node, StepContext& context,
                        Weights weights)
       : op_(op),
+        node_(node),
         context_(context),
         inputs_(node, context),
         out_(context.output(node)),
@@ -110,6 +114,10 @@ class TiledConvolutionStep : public Step {
         [&](int64_t pair, int64_t x, int64_t count, int thread) {
           const int64_t y = 2 * pair;
           const auto row = [&](int64_t at) { return at >= begin && at < end ? out_.row(at) : nullptr; };
+          const auto wanted = [&](int64_t at) {
+            return row(at) != nullptr && context_.demand.wants(node_, at, x, count);
+          };
+          if (!wanted(y) && !wanted(y + 1)) return;
           convolve(TileRows<Weights>{&weights_,
                                      inputs_.sources<WinogradSource>(y - 1, WinogradSource().rows.size()),
                                      {row(y), row(y + 1)},
@@ -124,6 +132,7 @@ class TiledConvolutionStep : public Step {
 
  private:
   graph::Convolution op_;
+  const graph::Node& node_;
   StepContext& context_;
   ConvolutionInputs inputs_;
   RowWindow out_;
@@ -200,7 +209,7 @@ struct UpsampleRow {
 
 std::unique_ptr<Step> make_step(const graph::Pad&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return row_step(context, node, 0, [=](int64_t y, float*) {
     for (int64_t c = 0; c < in.planes; ++c) {
       float* to = out.row(y, c);
       std::copy_n(in.row(std::min(y, in.height - 1), c), in.width, to);
@@ -222,7 +231,7 @@ std::unique_ptr<Step> make_step(const graph::Convolution& op, const graph::Node&
 }
 std::unique_ptr<Step> make_step(const graph::MaxPool&, const graph::Node& node, StepContext& context) {
   const RowWindow in = context.input(node, 0), out = context.output(node);
-  return row_step(context, 0, [=](int64_t y, float*) {
+  return row_step(context, node, 0, [=](int64_t y, float*) {
     for (int64_t c = 0; c < out.planes; ++c) {
       const float* __restrict upper = in.row(2 * y, c);
       const float* __restrict lower = in.row(2 * y + 1, c);
@@ -235,7 +244,7 @@ std::unique_ptr<Step> make_step(const graph::MaxPool&, const graph::Node& node, 
 }
 std::unique_ptr<Step> make_step(const graph::Upsample& op, const graph::Node& node, StepContext& context) {
   const UpsampleRow row = {op, context.input(node, 0), context.output(node)};
-  return row_step(context, row.in.pitch, row);
+  return row_step(context, node, row.in.pitch, row);
 }
 
 }  // namespace ld

@@ -51,6 +51,7 @@ void TileUnit::run(int64_t begin, int64_t end) {
                      std::vector<double>& seconds = seconds_[size_t(thread)];
                      auto before = Clock::now();
                      for (size_t i = 0; i < steps_.size(); ++i) {
+                       if (!context_.demand.wants(context_.graph.nodes[nodes_[i]], y, x, count)) continue;
                        steps_[i]->make({y, x, count, thread});
                        const auto now = Clock::now();
                        seconds[i] += std::chrono::duration<double>(now - before).count();

@@ -83,9 +83,19 @@ HWY_INLINE void add_all_channels(D d, const FilterShape& shape, const float* wei
     add_all_channels<kCount - 1>(d, shape, weights, values, values_pitch, rescale, sums, sums_pitch, left);
 }
 
+/// Whether no lane of a vector of destinations from pixel x on is made. Those outside of the picture are not.
+HWY_INLINE bool is_skipped(const uint8_t* skips, int64_t blocks, int64_t x) {
+  constexpr int64_t kPixels = SplatSkips::kBlock;
+  const int64_t first = std::max<int64_t>(x, 0) / kPixels,
+                last = std::min((x + lanes() + kPixels - 1) / kPixels, blocks);
+  for (int64_t b = first; b < last; ++b)
+    if (skips[b] == 0) return false;
+  return true;
+}
+
 /// One layer's row of taps `dy` to one row of destinations; x counts from the stretch's first pixel.
 HWY_INLINE void add_kernel_row(const FilterShape& shape, const SplatSourcesRow& sources, const Stretch& at,
-                               int64_t layer, int64_t dy, SplatStrip& strip) {
+                               int64_t layer, int64_t dy, SplatStrip& strip, const SplatSkips* skips) {
   const D d;
   const int64_t radius = shape.radius();
   float* HWY_RESTRICT to = strip.row(layer, at.y + dy - radius) + at.x;
@@ -94,7 +104,9 @@ HWY_INLINE void add_kernel_row(const FilterShape& shape, const SplatSourcesRow& 
   const float* HWY_RESTRICT v = sources.values.row(layer * shape.channels) + radius;
   const int64_t e_step = sources.logits.pitch() - 1;  // the next tap, one source pixel to the left
   HWY_ALIGN float weights[kMostTaps * HWY_MAX_BYTES / sizeof(float)];
+  const uint8_t* skipped = skips == nullptr ? nullptr : skips->row(layer, at.y + dy - radius - strip.begin());
   for (int64_t x = -radius; x < at.count + radius; x += lanes()) {
+    if (skipped != nullptr && is_skipped(skipped, skips->blocks(), at.x + x)) continue;
     const V before = hn::LoadU(d, to + x);
     V largest = before;
     for (int64_t dx = 0; dx < shape.kernel; ++dx)
@@ -114,10 +126,11 @@ HWY_INLINE void add_kernel_row(const FilterShape& shape, const SplatSourcesRow& 
 }
 
 void add_stretch(const FilterShape& shape, const SplatSourcesRow& sources, const Stretch& at,
-                 SplatStrip& strip) {
+                 SplatStrip& strip, const SplatSkips* skips) {
   for (int64_t layer = 0; layer < shape.layers; ++layer)
     for (int64_t dy = 0; dy < shape.kernel; ++dy)
-      if (strip.holds(at.y + dy - shape.radius())) add_kernel_row(shape, sources, at, layer, dy, strip);
+      if (strip.holds(at.y + dy - shape.radius()))
+        add_kernel_row(shape, sources, at, layer, dy, strip, skips);
 }
 
 /// Row y of one layer from the strips that hold it, in their order.
@@ -333,8 +346,8 @@ void splat_exponents(const FilterShape& shape, SplatSourcesRow& sources, int64_t
 }
 
 void splat_stretch(const FilterShape& shape, const SplatSourcesRow& sources, const Stretch& at,
-                   SplatStrip& strip) {
-  HWY_DYNAMIC_DISPATCH(add_stretch)(shape, sources, at, strip);
+                   SplatStrip& strip, const SplatSkips* skips) {
+  HWY_DYNAMIC_DISPATCH(add_stretch)(shape, sources, at, strip, skips);
 }
 
 void merge_row(const FilterShape& shape, bool joint, const std::vector<SplatStrip*>& strips, int64_t y,

@@ -19,6 +19,8 @@ class SplatStrip {
   /// Begins anew with other rows, at most as many as it was made for.
   void restart(const FilterShape& shape, int64_t first, int64_t last);
 
+  int64_t begin() const { return begin_; }
+  int64_t end() const { return end_; }
   bool holds(int64_t y) const { return y >= begin_ && y < end_; }
   /// Pixel 0 of: the largest exponents, then the sums of weights, then of each channel, `pitch()` apart.
   float* row(int64_t layer, int64_t y) {
@@ -44,9 +46,32 @@ struct SplatSourcesRow {
 /// e_l + log n_l of the header.
 void splat_exponents(const FilterShape& shape, SplatSourcesRow& sources, int64_t count);
 
-/// Adds a stretch whose exponents are ready to the strip.
+/// Destinations of a strip that need not be made: what they have got so far then stays as it is, or not.
+class SplatSkips {
+ public:
+  static constexpr int64_t kBlock = 8;  // pixels of a row
+
+  SplatSkips(const FilterShape& shape, int64_t rows)
+      : blocks_((shape.width + kBlock - 1) / kBlock),
+        rows_(rows),
+        skips_(size_t(shape.layers * rows * blocks_)) {}
+
+  int64_t blocks() const { return blocks_; }
+  /// Of the strip's row `row`, block by block: 0 for those that are made.
+  uint8_t* row(int64_t layer, int64_t row) { return skips_.data() + (layer * rows_ + row) * blocks_; }
+  const uint8_t* row(int64_t layer, int64_t row) const {
+    return const_cast<SplatSkips*>(this)->row(layer, row);
+  }
+  int64_t bytes() const { return int64_t(skips_.size()); }
+
+ private:
+  int64_t blocks_, rows_;
+  std::vector<uint8_t> skips_;
+};
+
+/// Adds a stretch whose exponents are ready to the strip; `skips`, where given, has its rows.
 void splat_stretch(const FilterShape& shape, const SplatSourcesRow& sources, const Stretch& at,
-                   SplatStrip& strip);
+                   SplatStrip& strip, const SplatSkips* skips = nullptr);
 
 /// Where results go; the last two may be null.
 struct SplatResult {
