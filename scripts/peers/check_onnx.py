@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the ONNX models of ld_export with onnxruntime: the networks of configs/, each with random weights, against the C++
-program's output on three sizes of picture; with --model and --frame also a trained network against ld_denoise.
+program's output on three sizes of picture; with --model and --frame also a trained network against ld_denoise, over a sequence.
 
 Fails when onnxruntime differs from C++ by more than 1e-4 (|a - b| / (|b| + 0.01)) anywhere, or refuses a model.
 """
@@ -10,6 +10,7 @@ import resource
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -22,7 +23,7 @@ import denoise_onnx  # noqa: E402
 
 ALLOWED = 1e-4
 CONFIGS = ["quick", "quick_layer_weighted", "quick_optimized", "quick_pixel_blend", "quick_pixel_gather",
-           "quick_pixel_splat", "quick_sample_splat"]
+           "quick_pixel_splat", "quick_sample_splat", "quick_layer_history", "quick_recurrent"]
 TYPES = {"F32": np.float32}
 
 
@@ -61,10 +62,10 @@ def seconds(session, config_features, size):
     inputs = {"features": random.random((1, samples, config_features, height, width), np.float32),
               "radiance": random.random((1, samples, 3, height, width), np.float32),
               "valid": np.ones((1, samples, 1, height, width), np.float32)}
-    times = []
+    state, times = denoise_onnx.empty_state(session, inputs), []
     for _ in range(3):
         start = time.perf_counter()
-        session.run(["image"], inputs)
+        denoise_onnx.denoise(session, inputs, state)
         times.append(time.perf_counter() - start)
     return sorted(times)[1]
 
@@ -79,7 +80,7 @@ def check_network(config, dtype, options):
     tensors, worst, sizes = read_safetensors(data), 0, []
     for i in range(len(tensors) // 4):
         inputs = {name: tensors[f"{name}_{i}"] for name in ("features", "radiance", "valid")}
-        found = session.run(["image"], inputs)[0]
+        found = denoise_onnx.denoise(session, inputs, denoise_onnx.empty_state(session, inputs))[0]
         worst = max(worst, difference(found, tensors[f"image_{i}"]))
         sizes.append("x".join(str(n) for n in found.shape[:1] + found.shape[2:]))
     line = f"{config:24} {dtype}  {model.stat().st_size / 1e6:7.2f} MB  load {load:5.2f} s  difference {worst:.1e}  ({', '.join(sizes)})"
@@ -91,18 +92,26 @@ def check_network(config, dtype, options):
     return worst
 
 
-def check_frame(model, frame, options):
-    """A trained network on a frame, through the example program and through ld_denoise."""
-    exported, found, expected = options.out / "trained.onnx", options.out / "onnx.exr", options.out / "ld_denoise.exr"
+def pixels(path):
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        return np.array([file.parts[0].channels[c].pixels for c in "RGB"], np.float64)
+
+
+def check_frames(model, frames, options):
+    """A trained network on the frames of a sequence in their order, through the example program and through ld_denoise."""
+    exported = options.out / "trained.onnx"
     export(["--model", model], exported)
-    denoise_onnx.main(str(exported), frame, str(found))
-    subprocess.run(["build/bin/ld_denoise", "--model", model, frame, "--float", "--output", str(expected)], check=True)
-    pictures = []
-    for path in (found, expected):
-        with OpenEXR.File(str(path), separate_channels=True) as file:
-            pictures.append(np.array([file.parts[0].channels[c].pixels for c in "RGB"], np.float64))
-    worst = difference(*pictures)
-    print(f"{model} on {frame}: difference {worst:.1e}")
+    with tempfile.TemporaryDirectory() as folder:
+        taken, found, expected = (Path(folder) / name for name in ("taken", "onnx", "ld_denoise"))
+        for path in (taken, found, expected):
+            path.mkdir()
+        names = [f"{number:04}.exr" for number in range(len(frames))]
+        for name, frame in zip(names, frames):
+            (taken / name).symlink_to(Path(frame).resolve())
+        denoise_onnx.main(str(exported), [str(taken / name) for name in names], found)
+        subprocess.run(["build/bin/ld_denoise", "--model", model, str(taken / "####.exr"), "--float", "--output", str(expected / "####.exr")], check=True)
+        worst = max(difference(pixels(found / name), pixels(expected / name)) for name in names)
+    print(f"{model} on {len(frames)} frames: difference {worst:.1e}")
     return worst
 
 
@@ -111,7 +120,7 @@ def main():
     parser.add_argument("--configs", nargs="+", default=CONFIGS, help="names in configs/, without .yaml")
     parser.add_argument("--dtypes", nargs="+", default=["f32", "f16"])
     parser.add_argument("--model", help="a trained model (as ld_denoise takes it)")
-    parser.add_argument("--frame", help="a frame for it")
+    parser.add_argument("--frame", nargs="+", help="a frame for it, or those of a sequence in their order")
     parser.add_argument("--out", type=Path, default=Path("out/peers/onnx"))
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--time", type=int, nargs=3, metavar=("H", "W", "SPP"), help="also time this size")
@@ -120,7 +129,7 @@ def main():
     print(f"onnxruntime {onnxruntime.__version__}, allowed {ALLOWED:.0e}")
     failed = [f"{config} {dtype}" for config in options.configs for dtype in options.dtypes
               if not check_network(config, dtype, options) <= ALLOWED]
-    if options.model and not check_frame(options.model, options.frame, options) <= ALLOWED:
+    if options.model and not check_frames(options.model, options.frame, options) <= ALLOWED:
         failed.append(options.model)
     if failed:
         raise SystemExit("onnxruntime and C++ differ: " + ", ".join(failed))

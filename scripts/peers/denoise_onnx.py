@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Denoises a frame with an ONNX model of ld_export: denoise_onnx.py MODEL.onnx FRAME.exr OUTPUT.exr
+"""Denoises frames of a sequence, or one, with an ONNX model of ld_export: denoise_onnx.py MODEL.onnx FRAME.exr... FOLDER
 
 Needs onnxruntime, numpy and OpenEXR, nothing of this project: an example of how another program feeds the model
 (docs/export.md). The model's metadata says which features it reads and how each is encoded.
 """
 import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import onnxruntime
@@ -14,7 +15,7 @@ import OpenEXR
 # The channels of each feature in a sample part (docs/data_format.md).
 CHANNELS = {"radiance": "R G B", "normal": "N.X N.Y N.Z", "depth": "Z", "albedo": "albedo.R albedo.G albedo.B",
             "specular": "specular.R specular.G specular.B", "roughness": "roughness", "motion": "motion.X motion.Y",
-            "coc": "coc", "lens": "lens.X lens.Y", "time": "time", "flow": "flow.X flow.Y"}
+            "coc": "coc", "lens": "lens.X lens.Y", "time": "time", "flow": "flow.X flow.Y", "emission": "emission.R emission.G emission.B"}
 LARGEST = np.float32(65504)  # of half; the depth where a ray escaped
 
 
@@ -58,20 +59,50 @@ def read_frame(path, features):
             "valid": np.ones_like(radiance[:, :, :1])}
 
 
+def is_behind_a_cut(path):
+    with OpenEXR.File(path, header_only=True) as file:
+        return file.parts[0].header.get("ldCut", 0) != 0
+
+
 def features_of(session):
     """(name, encoding, scale) in the order in which the model reads them."""
     lines = session.get_modelmeta().custom_metadata_map["features"].splitlines()
     return [(words[0], words[2], float(words[3]) if len(words) > 3 else 0) for words in map(str.split, lines)]
 
 
-def main(model, frame, output):
+def empty_state(session, inputs):
+    """What a model that remembers reads at the first frame of a sequence: zeros, by the names of its inputs."""
+    sizes = dict(zip("BHW", (inputs["valid"].shape[0], *inputs["valid"].shape[3:])))
+    parts = [part for part in session.get_inputs() if part.name.startswith("state")]
+    divisor = lambda name: int(name.split("/")[1])  # "H_padded/4"
+    multiple = max([divisor(size) for part in parts for size in part.shape if "/" in str(size)], default=1)
+    def side(size):
+        if "/" not in str(size):
+            return sizes.get(size, size)
+        return -(-sizes[size[0]] // multiple) * multiple // divisor(size)
+    return {part.name: np.zeros([int(side(size)) for size in part.shape], np.float32) for part in parts}
+
+
+def denoise(session, inputs, state):
+    """The picture [B, 3, H, W], and what the frame leaves for the next one of the sequence."""
+    image, *left = session.run(["image"] + ["next_" + name for name in state], {**inputs, **state})
+    return image, dict(zip(state, left))
+
+
+def main(model, frames, folder):
     session = onnxruntime.InferenceSession(model)
-    image = session.run(["image"], read_frame(frame, features_of(session)))[0][0]
-    channels = {"RGB": np.ascontiguousarray(image.transpose(1, 2, 0))}
-    OpenEXR.File({"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}, channels).write(output)
+    state = None
+    for frame in frames:
+        inputs = read_frame(frame, features_of(session))
+        if state is None or is_behind_a_cut(frame):
+            state = empty_state(session, inputs)
+        image, state = denoise(session, inputs, state)
+        channels = {"RGB": np.ascontiguousarray(image[0].transpose(1, 2, 0))}
+        header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
+        OpenEXR.File(header, channels).write(str(Path(folder) / Path(frame).name))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 4:
+    if len(sys.argv) < 4:
         raise SystemExit(__doc__)
-    main(*sys.argv[1:])
+    main(sys.argv[1], sys.argv[2:-1], sys.argv[-1])

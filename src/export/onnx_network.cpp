@@ -48,12 +48,6 @@ Value OnnxWalk::side(const graph::Value& of, int64_t axis) {
 
 namespace {
 
-[[noreturn]] void refuse_history() {
-  fail_usage(
-      "ONNX: the network keeps a history that moves with 'flow', which ONNX files do not have yet; export it "
-      "as safetensors");
-}
-
 /// Of a value of the state, for people: "H" and "W" are those of the frame.
 std::vector<std::string> sizes_of_state(const graph::Value& value) {
   const std::string scale =
@@ -63,16 +57,6 @@ std::vector<std::string> sizes_of_state(const graph::Value& value) {
 }
 
 }  // namespace
-
-void to_onnx(const graph::Recall&, OnnxWalk&) {
-  refuse_history();
-}
-void to_onnx(const graph::Compare&, OnnxWalk&) {
-  refuse_history();
-}
-void to_onnx(const graph::Remember&, OnnxWalk&) {
-  refuse_history();
-}
 
 std::string onnx_state(size_t part) {
   return "state" + std::to_string(part);

@@ -78,13 +78,23 @@ Tensor max_pool(const Inputs& in, const Attributes& attributes) {
                         attributes.integers("strides", {1, 1}), attributes.symmetric_pads());
 }
 
-/// Without counting what lies outside.
 Tensor average_pool(const Inputs& in, const Attributes& attributes) {
-  if (attributes.integer("count_include_pad", 0) != 0)
-    fail("ONNX node {}: an average that counts the margin", attributes.node());
   return at::avg_pool2d(in[0], attributes.integers("kernel_shape", {}),
                         attributes.integers("strides", {1, 1}), attributes.symmetric_pads(),
-                        /*ceil_mode=*/false, /*count_include_pad=*/false);
+                        /*ceil_mode=*/false, attributes.integer("count_include_pad", 0) != 0);
+}
+
+/// Of equal values the first first, as ONNX has it.
+Outputs top_k(const Inputs& in, const Attributes& attributes) {
+  const int64_t axis = attributes.integer("axis", -1);
+  const auto [values, order] =
+      at::sort(in[0], /*stable=*/true, axis, /*descending=*/attributes.integer("largest", 1) != 0);
+  const int64_t count = in[1].item<int64_t>();
+  return {values.narrow(axis, 0, count), order.narrow(axis, 0, count)};
+}
+
+Tensor range(const Inputs& in, const Attributes&) {
+  return at::arange(in[0].item(), in[1].item(), in[2].item(), in[0].options());
 }
 
 Tensor pad(const Inputs& in, const Attributes& attributes) {
@@ -149,6 +159,7 @@ const std::map<std::string, Operator>& operators() {
   static const std::map<std::string, Operator> by_name = {
       {"Abs", [](const Inputs& in, const Attributes&) { return in[0].abs(); }},
       {"Add", [](const Inputs& in, const Attributes&) { return in[0] + in[1]; }},
+      {"And", [](const Inputs& in, const Attributes&) { return in[0].logical_and(in[1]); }},
       {"ArgMax", arg_max},
       {"AveragePool", average_pool},
       {"Cast", cast},
@@ -161,6 +172,7 @@ const std::map<std::string, Operator>& operators() {
       {"Equal", [](const Inputs& in, const Attributes&) { return in[0].eq(in[1]); }},
       {"Exp", [](const Inputs& in, const Attributes&) { return in[0].exp(); }},
       {"Expand", expand},
+      {"Floor", [](const Inputs& in, const Attributes&) { return in[0].floor(); }},
       {"GatherElements",
        [](const Inputs& in, const Attributes& a) { return in[0].gather(a.integer("axis", 0), in[1]); }},
       {"Greater", [](const Inputs& in, const Attributes&) { return in[0].gt(in[1]); }},
@@ -177,6 +189,7 @@ const std::map<std::string, Operator>& operators() {
       {"Not", [](const Inputs& in, const Attributes&) { return in[0].logical_not(); }},
       {"Pad", pad},
       {"Pow", [](const Inputs& in, const Attributes&) { return in[0].pow(in[1]); }},
+      {"Range", range},
       {"ReduceMax", reduce_max},
       {"ReduceSum", reduce_sum},
       {"Relu", [](const Inputs& in, const Attributes&) { return in[0].relu(); }},
@@ -186,6 +199,7 @@ const std::map<std::string, Operator>& operators() {
       {"Sigmoid", [](const Inputs& in, const Attributes&) { return in[0].sigmoid(); }},
       {"Sign", [](const Inputs& in, const Attributes&) { return in[0].sign(); }},
       {"Slice", slice},
+      {"Sqrt", [](const Inputs& in, const Attributes&) { return in[0].sqrt(); }},
       {"Squeeze", [](const Inputs& in, const Attributes&) { return in[0].squeeze(in[1].item<int64_t>()); }},
       {"Sub", [](const Inputs& in, const Attributes&) { return in[0] - in[1]; }},
       {"Tanh", [](const Inputs& in, const Attributes&) { return in[0].tanh(); }},
@@ -204,6 +218,7 @@ Outputs run_onnx_node(const onnx::NodeProto& node, const Inputs& inputs) {
     const int64_t axis = attributes.integer("axis", 0);
     return inputs[0].split(inputs[0].size(axis) / int64_t(attributes.outputs()), axis);
   }
+  if (node.op_type() == "TopK") return top_k(inputs, attributes);
   const auto known = operators().find(node.op_type());
   if (known == operators().end())
     fail("ONNX node {}: operator {} is none that this project writes", node.name(), node.op_type());

@@ -140,7 +140,6 @@ void to_onnx(const graph::LayerIdentity& op, OnnxWalk& at);
 void to_onnx(const graph::TakeRoots& op, OnnxWalk& at);
 void to_onnx(const graph::RaiseRoots& op, OnnxWalk& at);
 void to_onnx(const graph::RecallPart& op, OnnxWalk& at);
-/// Of a history that moves with `flow`, which is refused.
 void to_onnx(const graph::Recall& op, OnnxWalk& at);
 void to_onnx(const graph::Compare& op, OnnxWalk& at);
 void to_onnx(const graph::Remember& op, OnnxWalk& at);

@@ -5,12 +5,14 @@
 #include <algorithm>
 
 #include "core/file_io.h"
+#include "dataset/input_tensors.h"
 #include "export/onnx_evaluator.h"
 #include "export/onnx_file.h"
 #include "export/onnx_network.h"
 #include "models/check_network.h"
 #include "tests/models/small_network.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/moving_frame.h"
 #include "tests/support/run_program.h"
 #include "weights/model_file.h"
 #include "weights/weight_file.h"
@@ -55,9 +57,15 @@ class OnnxExportTest : public ::testing::Test {
   }
   std::filesystem::path path() const { return folder_ / "model.onnx"; }
 
+  /// Of a first frame, of networks that remember.
+  Tensor forward(const OnnxEvaluator& evaluator, const NetworkInput& input) const {
+    std::vector<Tensor> state = empty_onnx_state(source_.network->config(), input);
+    return evaluator.forward(input, state);
+  }
+
   void expect_same(const OnnxEvaluator& evaluator, const NetworkInput& input, const std::string& what) {
     const torch::InferenceMode no_graph;
-    const Tensor expected = source_.network->forward(input), found = evaluator.forward(input);
+    const Tensor expected = source_.network->forward(input), found = forward(evaluator, input);
     ASSERT_EQ(found.sizes(), expected.sizes()) << what;
     EXPECT_LT(largest_relative_difference({found}, {expected}), 1e-4) << what;
   }
@@ -69,7 +77,6 @@ class OnnxExportTest : public ::testing::Test {
 
 TEST_F(OnnxExportTest, EveryNetworkAtEverySizeComputesWhatItDoesInCpp) {
   for (const NetworkConfig& config : exported_configs()) {
-    if (network_traits(config.name).remembers) continue;  // refused: its test is below
     const OnnxEvaluator evaluator(exported(config));
     EXPECT_LT(report_.graph.largest_relative_difference, 1e-4) << title(config);
     EXPECT_EQ(report_.weights.largest_relative_difference, 0);
@@ -83,11 +90,10 @@ TEST_F(OnnxExportTest, EveryNetworkAtEverySizeComputesWhatItDoesInCpp) {
 
 TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
   for (const NetworkConfig& config : every_config()) {
-    if (network_traits(config.name).remembers) continue;  // refused: its test is below
     const OnnxEvaluator evaluator(exported(config));
     NetworkInput input = random_input(config, 1, 2, 9, 8, torch::kFloat32, 3);
     const NetworkInput none = {input.features, input.radiance, torch::zeros_like(input.valid)};
-    EXPECT_EQ(evaluator.forward(none).abs().max().item<float>(), 0) << title(config);
+    EXPECT_EQ(forward(evaluator, none).abs().max().item<float>(), 0) << title(config);
     input.features[0][0][1][4][4] = std::nanf("");
     input.radiance[0][1][2][3][3] = std::numeric_limits<float>::infinity();
     input.radiance[0][1][0][2][2] = -5;
@@ -101,35 +107,39 @@ TEST_F(OnnxExportTest, PicturesWithoutSamplesAndFaultySamplesAreAsInCpp) {
 
 TEST_F(OnnxExportTest, LargeLogitsLoseNoEnergy) {
   for (const NetworkConfig& config : averaging_configs()) {
-    if (network_traits(config.name).remembers) continue;  // refused: its test is below
     const OnnxEvaluator evaluator(exported(config, 30));
     NetworkInput input = with_one_reflectance(random_input(config, 1, 3, 12, 11, torch::kFloat32, 5), config);
     input.valid.fill_(1);
     input.radiance.fill_(2);
-    const Tensor image = evaluator.forward(input);
+    const Tensor image = forward(evaluator, input);
     EXPECT_LT((image - 2).abs().max().item<float>(), 2e-4) << title(config);
   }
 }
 
-TEST_F(OnnxExportTest, AHistoryThatMovesIsRefused) {
-  int refused = 0;
-  for (const NetworkConfig& config : every_config()) {
-    if (!network_traits(config.name).remembers) continue;
-    ++refused;
-    EXPECT_ERROR(exported(config), "keeps a history that moves");
-  }
-  EXPECT_GT(refused, 0);
+/// Two sequences, for a history whose surfaces move where it reads flow; some samples are missing.
+NetworkInput frame_of_sequences(const NetworkConfig& config, int height, int width, uint32_t number) {
+  if (config.name != "layer_history")
+    return random_input(config, 2, 2, height, width, torch::kFloat32, 100 + 10 * number);
+  NetworkInput input = make_network_input(
+      {moving_frame(width, height, 3, number), moving_frame(width, height, 3, 500 + number)},
+      config.features);
+  input.valid = input.valid * random_valid(2, 3, height, width, 70 + number).to(torch::kFloat32);
+  return input;
 }
 
 // The state is inputs and outputs of the model: twenty frames, each behind what the one before has left.
 TEST_F(OnnxExportTest, AStateGoesFromFrameToFrame) {
+  int remembering = 0;
   for (const NetworkConfig& config : every_network()) {
-    if (network_traits(config.name).filter != Filter::none) continue;
+    if (!network_traits(config.name).remembers) continue;
     const onnx::ModelProto model = exported(config);
-    const size_t parts = config.recurrence ? 3 : 0;
-    ASSERT_EQ(size_t(model.graph().input_size()), 3 + parts);
-    ASSERT_EQ(size_t(model.graph().output_size()), 1 + parts);
-    for (size_t part = 0; part < parts; ++part) {
+    std::vector<std::string> parts;
+    if (config.name == "layer_history") parts = {"light", "frames", "surface"};
+    if (config.name == "recurrent" && config.recurrence) parts = {"h0", "h1", "h2"};
+    remembering += parts.empty() ? 0 : 1;
+    ASSERT_EQ(size_t(model.graph().input_size()), 3 + parts.size());
+    ASSERT_EQ(size_t(model.graph().output_size()), 1 + parts.size());
+    for (size_t part = 0; part < parts.size(); ++part) {
       EXPECT_EQ(model.graph().input(int(3 + part)).name(), onnx_state(part));
       EXPECT_EQ(model.graph().output(int(1 + part)).name(), onnx_next_state(part));
     }
@@ -139,18 +149,60 @@ TEST_F(OnnxExportTest, AStateGoesFromFrameToFrame) {
       NetworkState expected_state;
       std::vector<Tensor> state;
       for (uint32_t f = 0; f < 20; ++f) {
-        const NetworkInput input = random_input(config, 2, 2, h, w, torch::kFloat32, 100 + 10 * f);
+        const NetworkInput input = frame_of_sequences(config, h, w, f);
         if (f == 0) state = empty_onnx_state(config, input);
         const Tensor expected = source_.network->forward(input, expected_state),
                      found = evaluator.forward(input, state);
         EXPECT_LT(largest_relative_difference({found}, {expected}), 1e-4)
             << title(config) << " frame " << f << " " << h << "x" << w;
+        for (size_t part = 0; part < parts.size(); ++part)
+          EXPECT_LT(largest_relative_difference({state[part]}, {expected_state.at(parts[part])}), 1e-4)
+              << title(config) << " " << parts[part] << " behind frame " << f << " " << h << "x" << w;
       }
-      for (size_t part = 0; part < parts; ++part)
-        EXPECT_LT(largest_relative_difference({state[part]}, {expected_state.at("h" + std::to_string(part))}),
-                  1e-4);
+      if (config.name == "layer_history" && h == 13) {
+        EXPECT_GT(state[1].mean().item<float>(), 1.2F) << title(config) << ": much has a history";
+      }
     }
   }
+  EXPECT_GE(remembering, 2);
+}
+
+// Where a surface is looked up: the rules of ops/kernels/warp_taps.h at the edges of what is a number.
+TEST_F(OnnxExportTest, AHistoryIsLookedUpByTheSameRules) {
+  NetworkConfig config = small_config();
+  config.name = "layer_history";
+  config.features = {"radiance", "depth", "normal", "flow"};
+  const OnnxEvaluator evaluator(exported(config));
+  const torch::InferenceMode no_graph;
+  const int64_t flow = first_channel(config.features, "flow"),
+                depth = first_channel(config.features, "depth"),
+                normal = first_channel(config.features, "normal");
+  // Encoded: 1 and beyond is infinite, 1 / 17 a pixel, 0.5 sixteen.
+  for (const float moved :
+       {0.0F, 1e-38F, -1e-42F, 1.0F / 17, -1.0F / 17, 0.03F, 0.5F, 0.9999F, 1.0F, -1.0F, 65504.0F, -65504.0F})
+    for (const float deep : {0.0F, 0.5F, 0.55F, 0.6F, 0.999F, 1.0F})
+      for (const float turned : {0.0F, 1.0F, -1.0F, 3e-20F}) {
+        NetworkInput before = random_input(config, 1, 2, 6, 7, torch::kFloat32, 3);
+        before.valid.fill_(1);
+        before.features.narrow(2, depth, 1).fill_(0.5);
+        before.features.narrow(2, normal, 3).fill_(1);
+        before.features.narrow(2, flow, 2).zero_();
+        NetworkInput now = {before.features.clone(), before.radiance * 1.25, before.valid};
+        now.features.narrow(2, flow, 2).fill_(moved);
+        now.features.narrow(2, depth, 1).fill_(deep);
+        now.features.narrow(2, normal, 3).fill_(turned);
+        NetworkState expected_state;
+        std::vector<Tensor> state = empty_onnx_state(config, before);
+        source_.network->forward(before, expected_state);
+        evaluator.forward(before, state);
+        const Tensor expected = source_.network->forward(now, expected_state),
+                     found = evaluator.forward(now, state);
+        EXPECT_LT(
+            largest_relative_difference({found, state[1], state[2]}, {expected, expected_state.at("frames"),
+                                                                      expected_state.at("surface")}),
+            1e-4)
+            << moved << " " << deep << " " << turned;
+      }
 }
 
 TEST_F(OnnxExportTest, TheFileSaysWhatItIsAndWhatWasMeasured) {
