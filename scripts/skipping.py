@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """What --skip-within saves: for each frame the share of the work that is left out, the time beside that of all
-work (medians of runs in turns) and the largest difference of the pictures, |a - b| / (1 + |b|).
+work (the median of the ratios of runs in turns) and the largest difference of the pictures, |a - b| / (1 + |b|).
 
   scripts/skipping.py [--rounds N] [--bin FOLDER] [--model NAME] [--bounds B,...] FRAME...
 
@@ -22,31 +22,32 @@ def denoise(options, frame, within, folder):
         [f"{options.bin}/ld_denoise", "--model", options.model, "--skip-within", within, "--float",
          "--json", report, "--output", picture, frame],
         check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    told = json.loads(report.read_text())
-    (one,) = told["frames"] if isinstance(told, dict) and "frames" in told else told
+    (one,) = json.loads(report.read_text())
     return one["seconds"], one["skipped"], picture
 
 
 def largest_difference(a, b):
     """Of two pictures, over all channels: |a - b| / (1 + |b|)."""
     text = subprocess.run(
-        ["oiiotool", a, b, "--absdiff", b, "--abs", "--addc", "1", "--div", "--printstats"],
+        ["oiiotool", a, b, "--absdiff", b, "--abs", "--addc", "1", "--div",
+         "--mulc", "1e9", "--printstats"],  # statistics have six digits behind the point
         check=True, capture_output=True, text=True).stdout
-    return max(float(number) for number in re.search(r"Stats Max: (.*?) \(float\)", text)[1].split())
+    return 1e-9 * max(float(number) for number in re.search(r"Stats Max: (.*?) \(float\)", text)[1].split())
 
 
 def measure(options, frame, folder):
     bounds = ["off", *options.bounds.split(",")]
     seconds = {within: [] for within in bounds}
     last = {}
-    for _ in range(options.rounds):
-        for within in bounds:
+    for i in range(options.rounds):
+        turn = i % len(bounds)
+        for within in bounds[turn:] + bounds[:turn]:
             took, skipped, picture = denoise(options, frame, within, folder)
             seconds[within].append(took)
             last[within] = skipped, picture
     for within in bounds[1:]:
         skipped, picture = last[within]
-        ratio = statistics.median(seconds[within]) / statistics.median(seconds["off"])
+        ratio = statistics.median(a / b for a, b in zip(seconds[within], seconds["off"]))
         shares = " | ".join(f"{100 * skipped[kind]:.1f} %" for kind in ("pixels", "samples", "layers"))
         difference = largest_difference(last["off"][1], picture)
         print(f"| {frame} | {within} | {shares} | {ratio:.2f} | {difference:.1e} |", flush=True)

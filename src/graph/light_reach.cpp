@@ -24,7 +24,7 @@ struct ReachOf {
     Reach reach = std::visit(ReachOf{graph, from}, from.op);
     if (reach) {
       reach->radius += kernel / 2;
-      reach->largest = std::max(reach->largest, kernel);
+      reach->additions += kernel * (kernel + 4);  // taps, and what is done for each row of them
     }
     return reach;
   }
@@ -44,7 +44,13 @@ struct ReachOf {
   }
   Reach operator()(const MaskedMean&) const { return through(0); }
   Reach operator()(const Partition&) const { return through(2); }
-  Reach operator()(const Splat& op) const { return through(3, op.kernel); }
+  Reach operator()(const Splat& op) const {
+    Reach reach = through(3, op.kernel);
+    const Items items = graph[node.inputs[3]].items;
+    if (reach && op.joint && items == Items::layers) reach->layers = graph.layers;
+    if (reach && op.joint && items == Items::samples) reach->samples = true;
+    return reach;
+  }
   Reach operator()(const Gather& op) const { return through(3, op.kernel); }
   Reach operator()(const Blur& op) const { return through(1, op.kernel); }
   Reach operator()(const Mix&) const {

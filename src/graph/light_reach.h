@@ -8,8 +8,11 @@
 namespace ld::graph {
 
 struct LightReach {
-  int64_t radius = 0;                     // pixels to each side whose samples a pixel is a mean of
-  int64_t largest = 1;                    // taps a side of the largest kernel on the way
+  int64_t radius = 0;  // pixels to each side whose samples a pixel is a mean of
+  /// Additions one behind the other in the filters' sums, for each layer or sample of a source where `layers`
+  /// or `samples` says so: what bounds the rounding of the mean.
+  int64_t additions = 0, layers = 1;
+  bool samples = false;
   bool albedo = false, specular = false;  // what demodulation divides by, if at all
 };
 

@@ -59,7 +59,7 @@ struct LayerPicture {
 
 /// A picture and what was filtered with its weights.
 struct DenoisedParts {
-  Image picture;             // [3, H, W]: what denoise() gives, bit for bit
+  Image picture;             // [3, H, W]: what denoise() gives, bit for bit, or to skip_within
   std::vector<Image> parts;  // of Frame::parts, [3, H, W] each
   Image alpha;               // [1, H, W] within [0, 1]; empty unless asked for
 };

@@ -22,6 +22,7 @@ class Demand {
   /// no other outputs and no state.
   void want(const std::vector<Span>& rows_of_output);
 
+  const std::vector<Span>& rows(graph::ValueId id) const { return rows_[id]; }
   const Span& row(graph::ValueId id, int64_t y) const { return rows_[id][size_t(y)]; }
   bool wants(graph::ValueId id, int64_t y, int64_t x, int64_t count) const {
     return row(id, y).meets(x, count);

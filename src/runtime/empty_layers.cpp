@@ -41,29 +41,29 @@ int64_t EmptyLayers::bytes(const FilterShape& shape, int64_t rows) {
   return one.opaque_.bytes() + one.transparent_.bytes() + one.skips_.bytes();
 }
 
-void EmptyLayers::look(const RowWindow& light, const RowWindow& transmittance, int64_t first, int64_t last,
-                       int threads) {
+void EmptyLayers::look(const Sources& sources, int64_t first, int64_t last, int threads) {
   constexpr int64_t kWorthThreads = 1 << 15;  // pixels
   if ((last - first) * shape_.width < kWorthThreads) threads = 1;
   first_ = first;
   last_ = last;
   begin_ = std::max<int64_t>(first - shape_.radius(), 0);
   end_ = std::min(last + shape_.radius(), shape_.height);
-  parallel_for(threads, last - first,
-               [&](int64_t i, int) { look_at_sources(light, transmittance, first + i); });
+  parallel_for(threads, last - first, [&](int64_t i, int) { look_at_sources(sources, first + i); });
   parallel_for(threads, end_ - begin_, [&](int64_t i, int) { decide(begin_ + i); });
 }
 
-void EmptyLayers::look_at_sources(const RowWindow& light, const RowWindow& transmittance, int64_t y) {
+void EmptyLayers::look_at_sources(const Sources& sources, int64_t y) {
   const int64_t colours = shape_.channels - 1, blocks = skips_.blocks();
+  const graph::Span& wanted = sources.wanted[size_t(y)];
   for (int64_t l = 0; l + 1 < shape_.layers; ++l) {  // behind the last one there is nothing
     uint8_t *opaque = opaque_.row(l, y - first_), *transparent = transparent_.row(l, y - first_);
-    std::fill_n(opaque, blocks, uint8_t{1});
-    std::fill_n(transparent, blocks, uint8_t{1});
-    keep_equal(transmittance.row(y, l), 0, shape_.width, blocks, opaque);
-    keep_equal(transmittance.row(y, l), 1, shape_.width, blocks, transparent);
+    for (int64_t b = 0; b < blocks; ++b)
+      opaque[b] = transparent[b] =
+          uint8_t(b * kBlock >= wanted.begin && std::min((b + 1) * kBlock, shape_.width) <= wanted.end);
+    keep_equal(sources.transmittance.row(y, l), 0, shape_.width, blocks, opaque);
+    keep_equal(sources.transmittance.row(y, l), 1, shape_.width, blocks, transparent);
     for (int64_t c = 0; c < colours; ++c)
-      keep_equal(light.row(y, l * colours + c), 0, shape_.width, blocks, transparent);
+      keep_equal(sources.light.row(y, l * colours + c), 0, shape_.width, blocks, transparent);
   }
 }
 

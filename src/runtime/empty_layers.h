@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "graph/operators.h"
 #include "ops/kernels/splat.h"
 #include "runtime/row_window.h"
 
@@ -21,9 +22,12 @@ class EmptyLayers {
   /// `channels` of each layer, the transmittance last.
   EmptyLayers(const FilterShape& shape, int64_t rows);
 
+  struct Sources {
+    RowWindow light, transmittance;          // channels - 1 planes a layer, and one
+    const std::vector<graph::Span>& wanted;  // of each row the pixels that are there
+  };
   /// Of the strip of sources [first, last): decides for those destinations that no other strip reaches.
-  /// `light` has channels - 1 planes a layer, `transmittance` one.
-  void look(const RowWindow& light, const RowWindow& transmittance, int64_t first, int64_t last, int threads);
+  void look(const Sources& sources, int64_t first, int64_t last, int threads);
 
   const SplatSkips& skips() const { return skips_; }
   /// Writes what is known of row y to the filtered row, layers one behind the other. Returns how many pixels
@@ -35,7 +39,7 @@ class EmptyLayers {
  private:
   enum Kind : uint8_t { made = 0, hidden = 1, clear = 2 };
 
-  void look_at_sources(const RowWindow& light, const RowWindow& transmittance, int64_t y);
+  void look_at_sources(const Sources& sources, int64_t y);
   void decide(int64_t y);
 
   FilterShape shape_;

@@ -22,9 +22,11 @@ LightRanges::LightRanges(const graph::LightReach& reach, const graph::PictureExt
       channels_(channels),
       blocks_((picture.width + kBlock - 1) / kBlock),
       within_(within),
-      // Sums over samples, taps and rows of taps, above and below the line, each with half a unit of 2^-23;
-      // 64 for partition, compositor and modulation.
-      rounding_(double(reach.largest * (reach.largest + 4) + 2 * picture.samples + 64) * std::exp2(-23)),
+      // Numbers above and below the line, each rounded by half a unit of 2^-23 with every addition: those of
+      // the filters, those over samples, and 64 for partition, compositor and modulation.
+      rounding_(double(reach.additions * reach.layers * (reach.samples ? picture.samples : 1) +
+                       2 * picture.samples + 64) *
+                std::exp2(-23)),
       ranges_(size_t(picture.height * blocks_ * channels)),
       drawn_(size_t(picture.height * picture.width)),
       black_only_(size_t(picture.height * blocks_)),

@@ -23,7 +23,7 @@ struct SampleStretch;
 /// `within` is so the largest difference in log(1 + x), absolute for dark and relative for bright light. 0:
 /// only where all light is 0, whose mean is 0 bit for bit, which that of other equal numbers is not.
 ///
-/// Pixels without samples and surfaces with a texture, whose light goes through two filters
+/// Pixels without samples and, with demodulation, surfaces that reflect, whose light is filtered in two forms
 /// (models/demodulation.h), count as even where they are black alone.
 class LightRanges {
  public:

@@ -90,13 +90,16 @@ class SplatStep : public Step {
     bool looked = false;
   };
 
-  /// Whether the layers of the result are composited, and read by nobody else.
+  /// Whether the layers of the result are composited ([MH20] eq. 5), and nothing else becomes of them.
   bool is_composited(const graph::Node& node) const {
-    const std::vector<graph::Node>& nodes = context_.graph.nodes;
-    return !op_.joint && std::all_of(nodes.begin(), nodes.end(), [&](const graph::Node& other) {
-      return std::find(other.inputs.begin(), other.inputs.end(), node.outputs[0]) == other.inputs.end() ||
-             std::holds_alternative<graph::Composite>(other.op);
-    }) && node.outputs[0] != context_.graph.output;
+    const graph::Graph& graph = context_.graph;
+    const graph::ValueId result = node.outputs[0];
+    const std::vector<graph::ValueId> outputs = graph.outputs();
+    bool composited = false, other = std::find(outputs.begin(), outputs.end(), result) != outputs.end();
+    for (const graph::Node& reader : graph.nodes)
+      if (std::find(reader.inputs.begin(), reader.inputs.end(), result) != reader.inputs.end())
+        (std::holds_alternative<graph::Composite>(reader.op) ? composited : other) = true;
+    return composited && !other;
   }
 
   /// Keeps the memory of a strip that has all of its rows: it does for every other.
@@ -156,8 +159,8 @@ class SplatStep : public Step {
     // Values that filters scale are no longer those that were looked at.
     strip.looked = strip.empty && context_.source->light.value_scale == 1;
     if (strip.looked)
-      strip.empty->look(values_[0], values_[1], first, std::min(first + op_.rows, shape_.height),
-                        context_.threads);
+      strip.empty->look({values_[0], values_[1], context_.demand.rows(node_.inputs[4])}, first,
+                        std::min(first + op_.rows, shape_.height), context_.threads);
   }
 
   /// The stretches at `x` of a strip's sources: the rows that one reaches stay in the cache for the next.

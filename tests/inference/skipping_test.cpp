@@ -85,6 +85,27 @@ TEST(SkipWithin, TakesSamplesWhereTheyLie) {
   EXPECT_GT(denoiser.skipped().pixels, 0.5);
 }
 
+TEST(SkipWithin, PartsOfTheLightKeepTheBound) {
+  Frame frame = before_background(167, 53, 3);
+  frame.add_part("lamp");
+  frame.alpha.assign(frame.valid.size(), 0.75F);
+  for (int s = 0; s < frame.spp; ++s)
+    for (int c = 0; c < 3; ++c)
+      for (size_t p = 0; p < frame.plane_size(); ++p)
+        frame.part_plane(0, s, c)[p] = c == 0 ? -0.5F : 0.25F * frame.plane(s, c)[p];
+  const Denoiser denoiser(kModel);
+  DenoiseOptions options;
+  options.threads = 2;
+  options.skip_within = std::nullopt;
+  const DenoisedParts all = denoiser.denoise_parts(frame, /*alpha=*/true, options);
+  options.skip_within = 1e-4;
+  const DenoisedParts left_out = denoiser.denoise_parts(frame, /*alpha=*/true, options);
+  EXPECT_GT(denoiser.skipped().pixels, 0.5);
+  EXPECT_LE(difference(left_out.picture, all.picture), 1e-4);
+  EXPECT_LE(difference(left_out.parts[0], all.parts[0]), 1e-4);
+  EXPECT_LE(difference(left_out.alpha, all.alpha), 1e-4);
+}
+
 TEST(SkipWithin, IsReported) {
   const TemporaryFolder folder;
   write_frame(folder / "a.exr", before_background(167, 53, 3));
