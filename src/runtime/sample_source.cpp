@@ -129,7 +129,8 @@ ArraySource::ArraySource(const SampleArrays& arrays, const graph::Graph& graph, 
   light = measure_light(extent(), wanted, threads, [&](int s, int64_t y, int thread) {
     Frame& row = rows[size_t(thread)];
     alone.copy({s, int(y), 0, arrays.width}, row);
-    std::copy(row.valid.begin(), row.valid.end(), valid_.begin() + (s * arrays.height + y) * arrays.width);
+    std::copy(row.valid.begin(), row.valid.end(),
+              valid_.begin() + (int64_t(s) * arrays.height + y) * arrays.width);
     return SampleStretch{&row, 0, 0};
   });
   arrays_.valid = valid_.data();
