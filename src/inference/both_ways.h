@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/unnamed_file.h"
+#include "core/process/unnamed_file.h"
 #include "inference/denoiser.h"
 #include "sequence/surface_guides.h"
 

@@ -1,4 +1,4 @@
-#include "core/unnamed_file.h"
+#include "core/process/unnamed_file.h"
 
 #include <gtest/gtest.h>
 
