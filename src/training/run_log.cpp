@@ -7,12 +7,14 @@
 namespace ld {
 namespace {
 
-std::vector<std::string> metric_columns(int64_t layers) {
+std::vector<std::string> metric_columns(int64_t layers, bool sequences) {
   std::vector<std::string> columns = {"epoch", "learning_rate", "train_loss", "skipped", "validation_loss"};
   for (const Metric& metric : metrics()) columns.push_back(metric.name);
   columns.insert(columns.end(), {"rollbacks", "kernel_entropy", "kernel_centre_share"});
   for (int64_t layer = 1; layer <= layers; ++layer)
     columns.push_back(fmt::format("kernel_layer_share_{}", layer));
+  if (sequences)
+    for (const Metric& measure : sequence_measures()) columns.push_back(measure.name);
   return columns;
 }
 
@@ -28,8 +30,8 @@ std::string tag_of(const std::string& column) {
 
 }  // namespace
 
-RunLog::RunLog(const std::filesystem::path& run, int64_t step, int64_t layers)
-    : metrics_(run / "metrics.csv", metric_columns(layers), step),
+RunLog::RunLog(const std::filesystem::path& run, int64_t step, int64_t layers, bool sequences)
+    : metrics_(run / "metrics.csv", metric_columns(layers, sequences), step),
       timing_(run / "timing.csv", {"seconds_per_step"}, step),
       board_(run / "tensorboard", step) {}
 
@@ -64,6 +66,10 @@ void RunLog::pictures(int64_t step, const std::vector<ValidationPicture>& pictur
     }
     inputs_shown_ = true;
   });
+}
+
+void RunLog::strip(int64_t step, const SequenceStrip& strip) {
+  show([&] { board_.image(step, strip.name + "/sequence", strip.image); });
 }
 
 void RunLog::flush() {

@@ -16,14 +16,17 @@ namespace ld {
 
 class RunLog {
  public:
-  /// Continues the files of a run after `step`; `layers`: those of its network.
-  RunLog(const std::filesystem::path& run, int64_t step, int64_t layers);
+  /// Continues the files of a run after `step`; `layers`: those of its network; `sequences`: whether its
+  /// validation measures them.
+  RunLog(const std::filesystem::path& run, int64_t step, int64_t layers, bool sequences = false);
 
   /// metrics.csv gets the values, which depend on configuration, data and step alone (an interrupted run has
   /// the same bytes as one that was not); timing.csv the seconds.
   void row(int64_t step, const std::map<std::string, double>& values, double seconds_per_step);
 
   void pictures(int64_t step, const std::vector<ValidationPicture>& pictures);
+
+  void strip(int64_t step, const SequenceStrip& strip);
 
   /// All rows to the disk itself, as far as there is room.
   void flush();

@@ -48,7 +48,8 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
       config_(prepare(std::move(config), run, group_)),
       run_(std::move(run)),
       training_set_(make_training_set(config_, group_.rank(), group_.size())),
-      validation_(make_validation_stores(config_), config_.run.images, validation_samples(config_.data)),
+      validation_(make_validation_stores(config_), config_.run.images, validation_samples(config_.data),
+                  config_.data.clip > 1),
       checkpoints_(run_, config_.run.keep),
       loss_(options.loss ? options.loss : make_loss(config_.loss)),
       clip_loss_(make_clip_loss(config_.clip_loss, loss_, network_traits(config_.network.name).in_powers)),
@@ -75,7 +76,8 @@ Trainer::Trainer(TrainConfig config, std::filesystem::path run, const TrainerOpt
                                    : "the weights of the beginning are the best so far";
   course_.begin(begun, steps);
   if (group_.is_root())
-    log_.emplace(run_, state().validation_due ? state().step - 1 : state().step, config_.network.layers);
+    log_.emplace(run_, state().validation_due ? state().step - 1 : state().step, config_.network.layers,
+                 validation_.measures_sequences());
 }
 
 void Trainer::train() {
@@ -192,6 +194,8 @@ void Trainer::validate() {
   std::string text;
   for (const Metric& metric : metrics())
     text += fmt::format(", {} {:.{}f}", metric.title, row_.at(metric.name), metric.digits);
+  if (const Metric& steady = sequence_measures().front(); row_.count(steady.name) > 0)
+    text += fmt::format(", {} {:.{}f}", steady.title, row_.at(steady.name), steady.digits);
   spdlog::info("step {}: validation loss {:.4f}{}{}", state().step, row_.at("validation_loss"),
                course_.best_is_unsaved() ? " (best)" : "", text);
   if (first_stage)
@@ -200,6 +204,7 @@ void Trainer::validate() {
         "leaves the reference at {:.2f} dB",
         state().step, first_stage->psnr, first_stage->floor);
   log_->pictures(state().step, result->pictures);
+  if (result->strip) log_->strip(state().step, *result->strip);
 }
 
 void Trainer::log_row() {

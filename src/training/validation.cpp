@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "frame/frame_file.h"
+#include "frame/manifest.h"
 #include "metrics/metric.h"
 #include "ops/tone_map_tensor.h"
 #include "training/held_out.h"
@@ -21,10 +23,21 @@ Image mean_of_samples(const NetworkInput& input) {
   return to_image(((input.radiance * input.valid).sum(1) / count).squeeze(0));
 }
 
+/// Each value that is a number, and a 1 behind it; two zeros stay where it is none.
+void set_measured(const std::vector<double>& values, double* row) {
+  for (const double value : values) {
+    if (std::isfinite(value)) {
+      row[0] = value;
+      row[1] = 1;
+    }
+    row += 2;
+  }
+}
+
 }  // namespace
 
 Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures,
-                       ValidationSamples samples)
+                       ValidationSamples samples, bool sequences)
     : stores_(std::move(stores)), pictures_(pictures), samples_(samples) {
   for (const std::unique_ptr<FrameStore>& store : stores_) {
     const size_t first = frames_.size();
@@ -40,6 +53,8 @@ Validation::Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t 
       sequences_.push_back(std::move(run));
     }
   }
+  for (size_t i = 0; sequences && !samples.targets && i < sequences_.size(); ++i)
+    measures_sequences_ = measures_sequences_ || is_sequence(static_cast<int64_t>(i));
 }
 
 int64_t Validation::pixels() const {
@@ -100,7 +115,23 @@ Batch Validation::middle_of_largest(const std::vector<std::string>& features, in
 
 int64_t Validation::picture_bytes() const {
   const int64_t sets = std::min<int64_t>(pictures_, static_cast<int64_t>(frames_.size())) + 1;
-  return sets * kPicturesOfFrame * 3 * int64_t{sizeof(float)} * pixels_of_largest();
+  const FrameOf& frame = largest();
+  const int64_t samples = int64_t{samples_of(frame)} * kAllChannels * int64_t{sizeof(float)};
+  return pixels_of_largest() * (sets * kPicturesOfFrame * 3 * int64_t{sizeof(float)} +
+                                (measures_sequences_ ? SequenceWatch::kBytesOfPixel + samples : 0));
+}
+
+SurfaceGuides Validation::guides_of(const FrameOf& frame) const {
+  Faults faults;  // which the store has told
+  return surface_guides(read_frame(frame_path(frame.store->folder(), frame.store->name(frame.index)),
+                                   {"radiance"}, faults, samples_of(frame)));
+}
+
+std::optional<int64_t> Validation::sequence_shown(const ProcessGroup& group) const {
+  if (!group.is_root() || !measures_sequences_ || pictures_ == 0) return std::nullopt;
+  for (int64_t i = 0; i < static_cast<int64_t>(sequences_.size()); i += group.size())
+    if (is_sequence(i)) return i;
+  return std::nullopt;
 }
 
 std::vector<size_t> Validation::frames_of(const ProcessGroup& group) const {
@@ -141,6 +172,14 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
   const torch::Tensor table = torch::zeros({static_cast<int64_t>(frames_.size()), columns}, torch::kFloat64);
   const torch::Tensor blocks = torch::zeros({samples_.targets ? blocks_ + 1 : 0}, torch::kFloat64);
   const std::set<size_t> shown_frames = shown(group);
+  // One row for each sequence: what was measured, and 1 where it is a number.
+  const std::vector<Metric>& measures = sequence_measures();
+  const torch::Tensor steadiness =
+      torch::zeros({measures_sequences_ ? static_cast<int64_t>(sequences_.size()) : 0,
+                    static_cast<int64_t>(2 * measures.size())},
+                   torch::kFloat64);
+  const std::optional<int64_t> shown_sequence = sequence_shown(group);
+  SequenceWatch watch;
   SequenceState state;
   bool stopped = false;
   for (const size_t i : frames_of(group)) {
@@ -161,7 +200,8 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
       ValidationPicture picture;
       picture.name = frame.store->name(frame.index);
       const bool is_shown = turn == 0 && shown_frames.count(i) > 0;
-      if (is_shown) picture.noisy = mean_of_samples(batch.input);
+      const bool is_measured = measures_sequences_ && is_sequence(frame.place.sequence);
+      if (is_shown || is_measured) picture.noisy = mean_of_samples(batch.input);
       const Compared compared =
           denoise(samples_.targets ? batch.input : std::move(batch.input), batch.reference, state);
       const torch::Tensor& denoised = compared.picture;
@@ -179,11 +219,24 @@ std::optional<ValidationResult> Validation::run(const Denoise& denoise,
         sums[blocks_] +=
             sample_correlation(denoised, batch).value_or(0) / turns / static_cast<double>(frames_.size());
       }
+      if (is_measured) {
+        const bool keep = frame.place.sequence == shown_sequence;
+        watch.add(guides_of(frame), picture.noisy, picture.denoised, picture.reference, keep);
+        if (keep && !result.strip) result.strip = SequenceStrip{picture.name, {}};
+        const int64_t sequence = frame.place.sequence;
+        if (i == sequences_[static_cast<size_t>(sequence)].back())
+          set_measured(watch.finish(), steadiness[sequence].data_ptr<double>());
+      }
       if (is_shown) result.pictures.push_back(std::move(picture));
     }
   }
   if (group.any(stopped, "validating")) return std::nullopt;
-  group.sum({table, blocks}, "validating");
+  group.sum({table, blocks, steadiness}, "validating");
+  if (result.strip) result.strip->image = watch.strip();
+  const torch::Tensor sums = steadiness.sum(0);
+  const double* sum = sums.data_ptr<double>();
+  for (size_t m = 0; m < measures.size(); ++m)
+    if (sum[2 * m + 1] > 0) result.scores[measures[m].name] = sum[2 * m] / sum[2 * m + 1];
   if (samples_.targets) {
     const double* first = blocks.data_ptr<double>();
     result.block_errors.assign(first, first + blocks_);

@@ -18,6 +18,7 @@
 #include "models/network.h"
 #include "sequence/sequence_state.h"
 #include "training/distributed/process_group.h"
+#include "training/sequence_watch.h"
 
 namespace ld {
 
@@ -28,8 +29,11 @@ struct ValidationPicture {
 };
 
 struct ValidationResult {
-  std::map<std::string, double> scores;  // means over the frames: "validation_loss" and each metric
+  /// Means over the frames: "validation_loss" and each metric; of Validation::measures_sequences() also each
+  /// of sequence_measures(), means over the sequences that have it, absent where none has.
+  std::map<std::string, double> scores;
   std::vector<ValidationPicture> pictures;
+  std::optional<SequenceStrip> strip;  // of a sequence that is measured
   // With targets from samples (training/held_out.h), on all processes:
   std::vector<double> block_errors;  // of all frames
   double correlation = 0;            // of samples, mean over the frames
@@ -58,21 +62,26 @@ class Validation {
   using Denoise =
       std::function<Compared(NetworkInput input, const torch::Tensor& reference, SequenceState& state)>;
 
-  /// Up to `pictures` frames, spread evenly, are kept for looking at.
+  /// Up to `pictures` frames, spread evenly, are kept for looking at. `sequences`: how steady sequences are
+  /// is measured, too, as `ld_eval --sequences` does, where there are any and targets are references. What
+  /// moved where is read from the frames' files each time, because the cache holds the network's features
+  /// alone.
   Validation(std::vector<std::unique_ptr<FrameStore>> stores, int64_t pictures,
-             ValidationSamples samples = {});
+             ValidationSamples samples = {}, bool sequences = false);
 
   /// Whether no data set has a validation split.
   bool empty() const { return frames_.empty(); }
   size_t frames() const { return frames_.size(); }
   bool has_sample_targets() const { return samples_.targets; }
+  bool measures_sequences() const { return measures_sequences_; }
   int64_t pixels() const;  // of all frames together
 
   /// The frame that takes the most memory, which is in proportion to pixels times samples.
   int64_t pixels_of_largest() const;
   /// Its middle, up to `side` pixels wide and high. Throws Error as run() does.
   Batch middle_of_largest(const std::vector<std::string>& features, int side) const;
-  /// Of the pictures of the largest frame that exist at a time, those that are kept among them.
+  /// Of the pictures of the largest frame that exist at a time, those that are kept among them, and of what
+  /// measures sequences.
   int64_t picture_bytes() const;
 
   /// The sequences are divided among the processes; the scores are the same whatever their number. Rank 0 has
@@ -104,12 +113,17 @@ class Validation {
   /// The frames of a process, by their numbers in the order in which it denoises them.
   std::vector<size_t> frames_of(const ProcessGroup& group) const;
   std::set<size_t> shown(const ProcessGroup& group) const;
+  /// The sequence of rank 0 that is kept for looking at; nullopt: none.
+  std::optional<int64_t> sequence_shown(const ProcessGroup& group) const;
+  bool is_sequence(int64_t sequence) const { return sequences_[static_cast<size_t>(sequence)].size() > 1; }
+  SurfaceGuides guides_of(const FrameOf& frame) const;
 
   std::vector<std::unique_ptr<FrameStore>> stores_;
   std::vector<FrameOf> frames_;                 // of all stores
   std::vector<std::vector<size_t>> sequences_;  // of frames_ (sequence/sequence_runs.h); stills are their own
   int64_t pictures_, blocks_ = 0;
   ValidationSamples samples_;
+  bool measures_sequences_ = false;
 };
 
 }  // namespace ld
