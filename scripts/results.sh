@@ -7,7 +7,7 @@
 # for each number of samples (tables, strips, report.html), and results.md. Needs scripts/peers/setup.sh. Everyone gets the same samples
 # and one thread. Environment:
 #   SAMPLES  default "1 2 4 8 16"
-#   MODELS   weights (default: models/pretrained/*.safetensors), called by their names
+#   MODELS   weights (default: those released for single frames), called by their names
 #   SPLIT    default test
 #   REPEATS  runs of each picture by Open Image Denoise, whose median time counts (default 3)
 #   BIN      default build/bin
@@ -21,7 +21,7 @@ out=$1 bin=${BIN:-build/bin} split=${SPLIT:-test} python=out/peers/venv/bin/pyth
 shift
 [ -x $python ] || { echo "results.sh: found no $python; run scripts/peers/setup.sh" >&2; exit 1; }
 models=()
-for model in ${MODELS:-models/pretrained/*.safetensors}; do models+=(--model "$(basename "$model" .safetensors)=$model"); done
+for model in ${MODELS:-models/pretrained/common_fast.safetensors models/pretrained/common_fine.safetensors models/pretrained/means.safetensors}; do models+=(--model "$(basename "$model" .safetensors)=$model"); done
 
 for set in "$@"; do
   name=${set%%=*} data=${set#*=}

@@ -14,7 +14,7 @@ fi
 out=$1 bin=${BIN:-build/bin} models=()
 shift
 if [ $# -eq 0 ]; then
-  for file in models/pretrained/*.safetensors; do set -- "$@" "$(basename "$file" .safetensors)=$file"; done
+  for name in common_fast common_fine means; do set -- "$@" "$name=models/pretrained/$name.safetensors"; done
 fi
 for model in "$@"; do models+=(--model "$model"); done
 python3 scripts/surfaces.py "$out"

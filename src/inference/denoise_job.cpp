@@ -193,17 +193,13 @@ class Run {
     for (const std::string& line : input.taken) spdlog::info("{}", line);
   }
 
-  /// Of a model.
-  void tell_what_was_skipped(const Skipped& skipped) const {
-    if (filter_ || !job_.skip_within) return;
-    const std::string why =
-        denoiser_->can_skip_even_light()
-            ? ""
-            : fmt::format("; network '{}' has to run everywhere", denoiser_->network_config().name);
+  /// Of a model, where it is worth a line.
+  static void tell_what_was_skipped(const Skipped& skipped) {
+    if (std::max({skipped.pixels, skipped.samples, skipped.layers}) < 0.01) return;
     spdlog::info(
         "skipped: {:.1f} % of the pixels (even light), {:.1f} % of the samples (equal ones), {:.1f} % of the "
-        "layers' pixels (no influence){}",
-        100 * skipped.pixels, 100 * skipped.samples, 100 * skipped.layers, why);
+        "layers' pixels (no influence)",
+        100 * skipped.pixels, 100 * skipped.samples, 100 * skipped.layers);
   }
 
   void advance_to(int64_t step) {

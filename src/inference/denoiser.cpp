@@ -7,7 +7,6 @@
 
 #include "core/process/process_memory.h"
 #include "core/threads.h"
-#include "graph/light_reach.h"
 #include "inference/layer_views.h"
 #include "models/graphs/network_graph.h"
 #include "models/network_numbers.h"
@@ -200,10 +199,6 @@ Image Denoiser::frames_held(const SequenceState& sequence, int width, int height
 
 Skipped Denoiser::skipped() const {
   return state_->execution ? state_->execution->skipped() : Skipped();
-}
-
-bool Denoiser::can_skip_even_light() const {
-  return !remembers() && graph::light_reach(state_->network.graph).has_value();
 }
 
 int64_t Denoiser::least_memory_bytes(int width, int height, int spp) const {

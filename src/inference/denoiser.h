@@ -111,8 +111,6 @@ class Denoiser {
   Image frames_held(const SequenceState& sequence, int width, int height) const;
   /// What the last denoise() or denoise_parts() has left out.
   Skipped skipped() const;
-  /// Whether work can be left out for even light, or only what is the same bit for bit.
-  bool can_skip_even_light() const;
 
   /// The smallest max_memory_bytes that denoise() takes for frames of this size, in this process, now.
   int64_t least_memory_bytes(int width, int height, int spp) const;
