@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# An animation of Blender Cycles, imported and denoised by EAW, SVGF and frame by frame by released weights, with a page to look at:
+# An animation of Blender Cycles, imported and denoised by EAW, SVGF, released weights frame by frame and those that remember, and Open Image
+# Denoise where scripts/peers/setup.sh has installed it, with a page to look at:
 #   scripts/peers/cycles_sequence.sh [OUT [FRAMES [SAMPLES [WIDTH [HEIGHT [REFERENCE]]]]]]
 # (default: out/cycles_sequence, 16 frames of 160x90, 2 samples a pixel, references of 128). Needs `blender` in PATH (Debian's package or
 # another) and the programs in build/bin/. Renders that are there are kept: remove OUT to render anew.
@@ -21,5 +22,10 @@ for folder in "$out"/renders/[0-9]*; do
     --name "frame_$name" --split test --sequence 0 --position $((10#$name)) "$folder"/sample_*.exr > "$out/import.log" 2>&1 ||
     { cat "$out/import.log" >&2; exit 1; }
 done
-build/bin/ld_eval --data "$out/data" --sequences --filter eaw --filter svgf --model common_fast=common_fast --report-sequences 1 \
-  --report-frames 4 --out "$out/eval"
+others=()
+if out/peers/venv/bin/python -c 'import pyoidn' 2> /dev/null; then
+  out/peers/venv/bin/python scripts/peers/oidn_denoise.py --data "$out/data" --out "$out/oidn" > "$out/oidn.log"
+  others=(--images oidn="$out/oidn")
+fi
+build/bin/ld_eval --data "$out/data" --sequences --filter eaw --filter svgf --model common_fast=common_fast --model history_fast=history_fast \
+  "${others[@]}" --report-sequences 1 --report-frames 4 --out "$out/eval"

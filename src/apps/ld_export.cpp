@@ -41,8 +41,9 @@ ld::Metadata export_int8(const ld::QuantisedExport& options, nlohmann::ordered_j
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string model, untrained, format, out, dtype, calibrate, check_data, card;
+  std::string model, untrained, mix, format, out, dtype, calibrate, check_data, card;
   std::vector<std::filesystem::path> frames;
+  double mix_share = 0.5;
   std::optional<double> allowed;
   ld::Application app(
       "ld_export", "Exports a network to one deployable file and measures what that changes in its output.");
@@ -57,6 +58,12 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::IsMember({"safetensors", "onnx"}));
   options.add_option("--out", out, "file to write (.safetensors or .onnx, as --format says)")->required();
+  options.add_option("--mix", mix,
+                     "weights to average with those of --model, such as those that its training began with: "
+                     "what it learnt without all that it forgot (default: none)");
+  options.add_option("--mix-share", mix_share, "share of the weights of --mix")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   options
       .add_option(
           "--dtype", dtype,
@@ -89,6 +96,8 @@ int main(int argc, char** argv) {
   return app.run(argc, argv, [&] {
     if (model.empty() == untrained.empty()) ld::fail_command_line("give --model or --untrained");
     const bool int8 = dtype == "i8";
+    if (!mix.empty() && (int8 || model.empty()))
+      ld::fail_command_line("--mix is for --model in f16 or f32; export so first, then that file as i8");
     if (int8 != !calibrate.empty()) ld::fail_command_line("--dtype i8 and --calibrate go together");
     if (int8 && (format != "safetensors" || model.empty() || !frames.empty() || !check_data.empty()))
       ld::fail_command_line(
@@ -98,8 +107,9 @@ int main(int argc, char** argv) {
     ld::require_extension("--card", card, {".md"});
     ld::require_writable({out, check_data, card, app.json_path()});
     std::vector<std::filesystem::path> inputs_read = frames;
-    inputs_read.insert(inputs_read.end(), {model, untrained, calibrate});
-    if (!model.empty()) inputs_read.push_back(ld::resolve_model(model));
+    inputs_read.insert(inputs_read.end(), {model, untrained, calibrate, mix});
+    for (const std::string& name : {model, mix})
+      if (!name.empty()) inputs_read.push_back(ld::resolve_model(name));
     app.refuse_overwriting({out, check_data, card}, inputs_read);
     ld::configure_runtime(app.threads());
     if (dtype.empty()) dtype = format == "onnx" ? "f32" : "f16";
@@ -110,9 +120,9 @@ int main(int argc, char** argv) {
           {model, calibrate, out, allowed.value_or(ld::kQuantisedTolerance), app.threads()}, json);
     } else {
       const ld::DType type = dtype == "f16" ? ld::DType::f16 : ld::DType::f32;
-      const ld::ExportSource source = untrained.empty()
-                                          ? ld::load_source(model)
-                                          : ld::untrained_source(untrained, app.seed().value_or(1));
+      ld::ExportSource source = untrained.empty() ? ld::load_source(model)
+                                                  : ld::untrained_source(untrained, app.seed().value_or(1));
+      if (!mix.empty()) ld::mix_in(mix, mix_share, source);
       const std::vector<ld::NetworkInput> inputs = ld::parity_inputs(source.network->config(), frames);
 
       if (format == "onnx") {

@@ -1,5 +1,7 @@
 #include "export/parity.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,6 +14,7 @@
 #include "frame/schema.h"
 #include "models/initialise.h"
 #include "training/run/config_file.h"
+#include "weights/mix_weights.h"
 #include "weights/model_file.h"
 #include "weights/weight_file.h"
 
@@ -43,6 +46,14 @@ NetworkInput random_picture(const NetworkConfig& config, uint32_t index, int64_t
 ExportSource load_source(const std::filesystem::path& model) {
   const std::filesystem::path file = resolve_model(model);
   return {load_network(file), read_weights_header(SafetensorsFile(file)).provenance};
+}
+
+void mix_in(const std::filesystem::path& model, double share, ExportSource& source) {
+  mix_in_weights(model, share, *source.network, "--mix");
+  auto json = source.provenance.empty() ? nlohmann::ordered_json::object()
+                                        : nlohmann::ordered_json::parse(source.provenance);
+  json["mixed_with"] = fmt::format("{} of {}", share, model.filename().string());
+  source.provenance = json.dump();
 }
 
 ExportSource untrained_source(const std::filesystem::path& config, uint64_t seed) {

@@ -19,6 +19,8 @@ struct ExportSource {
 
 /// A weight file, checkpoint or run folder (its averaged weights where the training averaged).
 ExportSource load_source(const std::filesystem::path& model);
+/// Averages its weights with those of another (weights/mix_weights.h) and says so in the provenance.
+void mix_in(const std::filesystem::path& model, double share, ExportSource& source);
 /// The `network:` section of a training configuration with random weights: to try and time a runtime before
 /// anything is trained.
 ExportSource untrained_source(const std::filesystem::path& config, uint64_t seed);

@@ -138,7 +138,7 @@ TEST(SequenceValidation, ATrainingOnClipsWritesThemDown) {
     return read_file(folder / run / "metrics.csv");
   };
   const std::string whole = train("whole", 4);
-  train("parts", 3);
+  train("parts", 2);  // the end of a part is validated, so it is where the whole is, too
   EXPECT_EQ(train("parts", 4), whole);
   const std::string header = whole.substr(0, whole.find('\n'));
   EXPECT_NE(header.find(",te,tpsnr,trmae,"), std::string::npos) << header;

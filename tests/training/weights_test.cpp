@@ -8,6 +8,7 @@
 #include "tests/training/tiny_training.h"
 #include "training/fine_tuning.h"
 #include "training/training_data.h"
+#include "weights/mix_weights.h"
 #include "weights/model_file.h"
 
 namespace ld {
@@ -117,6 +118,38 @@ TEST_P(FineTuning, OntoFewerFeaturesIsTheirBeingZero) {
   const std::shared_ptr<Network> widened = random_network(tiny_network(GetParam(), all), 3);
   begin_with_weights(folder / "narrow.safetensors", *widened);
   EXPECT_TRUE(torch::allclose(widened->forward(whole), narrow->forward(picked), 1e-5, 1e-6));
+}
+
+// What is between two networks, and what only one of them has.
+TEST(MixedWeights, AreBetweenBothAndLeaveAloneWhatTheOtherLacks) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> features = {"radiance", "normal", "depth"};
+  const std::shared_ptr<Network> layer = random_network(tiny_network("layer", features), 1);
+  save_network(folder / "layer.safetensors", *layer, "", DType::f32);
+  std::vector<std::string> moving = features;
+  moving.emplace_back("flow");
+  const std::shared_ptr<Network> before = random_network(tiny_network("layer_history", moving), 2),
+                                 mixed = random_network(tiny_network("layer_history", moving), 2);
+  mix_in_weights(folder / "layer.safetensors", 0.25, *mixed, "--mix");
+  const auto own = before->named_parameters(), theirs = layer->named_parameters();
+  size_t shared = 0;
+  for (const auto& parameter : mixed->named_parameters()) {
+    const torch::Tensor* other = theirs.find(parameter.key());
+    torch::Tensor expected = own[parameter.key()];
+    if (other != nullptr) {
+      ++shared;
+      torch::Tensor value = *other;
+      if (value.sizes() != expected.sizes())
+        value = torch::constant_pad_nd(value, {0, expected.size(1) - value.size(1)});
+      expected = 0.75 * expected + 0.25 * value;
+    }
+    EXPECT_TRUE(torch::allclose(parameter.value(), expected, 1e-6, 1e-7)) << parameter.key();
+  }
+  EXPECT_EQ(shared, theirs.size());
+  EXPECT_LT(shared, own.size());
+  EXPECT_ERROR(mix_in_weights(folder / "layer.safetensors", 0.5,
+                              *random_network(tiny_network("pixel_gather", features), 1), "--mix"),
+               "--mix: ");
 }
 
 /// Those whose features enter one layer.
