@@ -178,7 +178,7 @@ TEST(FineTuning, WhatDoesNotFitIsNamed) {
                "'sample_partitioner.1.weight' of");
   EXPECT_ERROR(begin_with_weights(folder / "a.safetensors",
                                   *random_network(tiny_network("pixel_gather", {"radiance"}), 1)),
-               "which this run's network 'pixel_gather' has not");
+               "which the network 'pixel_gather' has not");
   EXPECT_ERROR(begin_with_weights(folder / "none", *random_network(config, 1)), "no such model");
 }
 
