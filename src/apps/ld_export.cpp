@@ -38,54 +38,64 @@ ld::Metadata export_int8(const ld::QuantisedExport& options, nlohmann::ordered_j
   return result.metadata;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+struct Request {
   std::string model, untrained, mix, format, out, dtype, calibrate, check_data, card;
   std::vector<std::filesystem::path> frames;
   double mix_share = 0.5;
   std::optional<double> allowed;
-  ld::Application app(
-      "ld_export", "Exports a network to one deployable file and measures what that changes in its output.");
-  CLI::App& options = app.options();
+};
+
+void declare(CLI::App& options, Request& request) {
   CLI::Option* trained =
-      options.add_option("--model", model, "weights (.safetensors), checkpoint folder or run folder");
+      options.add_option("--model", request.model, "weights (.safetensors), checkpoint folder or run folder");
   options
-      .add_option("--untrained", untrained,
+      .add_option("--untrained", request.untrained,
                   "instead: training config whose network is exported with random weights, to try a runtime")
       ->excludes(trained);
-  options.add_option("--format", format, "safetensors, or onnx for other programs' runtimes")
+  options.add_option("--format", request.format, "safetensors, or onnx for other programs' runtimes")
       ->required()
       ->check(CLI::IsMember({"safetensors", "onnx"}));
-  options.add_option("--out", out, "file to write (.safetensors or .onnx, as --format says)")->required();
-  options.add_option("--mix", mix,
+  options.add_option("--out", request.out, "file to write (.safetensors or .onnx, as --format says)")
+      ->required();
+  options.add_option("--mix", request.mix,
                      "weights to average with those of --model, such as those that its training began with: "
                      "what it learnt without all that it forgot (default: none)");
-  options.add_option("--mix-share", mix_share, "share of the weights of --mix")
+  options.add_option("--mix-share", request.mix_share, "share of the weights of --mix")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   options
       .add_option(
-          "--dtype", dtype,
+          "--dtype", request.dtype,
           "number format of the weights: f16 (half the size), f32 (every bit) or i8 (convolutions in 8 "
           "bits, faster; needs --calibrate) (default: f16 for safetensors, f32 for onnx)")
       ->check(CLI::IsMember({"f16", "f32", "i8"}));
-  options.add_option("--calibrate", calibrate,
+  options.add_option("--calibrate", request.calibrate,
                      "data set that --dtype i8 is calibrated (training split) and measured on (validation "
                      "split): a folder with manifest.json");
   ld::repeated(options.add_option(
-      "--check-frame", frames,
+      "--check-frame", request.frames,
       "frame (.exr) to measure the differences on, besides three random pictures; may be repeated (default: "
       "none)"));
   options.add_option(
-      "--check-data", check_data,
+      "--check-data", request.check_data,
       "also write those pictures and the network's output for them, as safetensors (default: nowhere)");
   options
-      .add_option("--allowed", allowed,
+      .add_option("--allowed", request.allowed,
                   "largest relative difference between the ONNX graph and the C++ network (default: 0.0001); "
                   "with --dtype i8, how much larger than in float32 the SMAPE may be (default: 0.01)")
       ->check(CLI::Range(0.0, 1.0));
-  options.add_option("--card", card, "also write a page about the file for people (.md; default: nowhere)");
+  options.add_option("--card", request.card,
+                     "also write a page about the file for people (.md; default: nowhere)");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Request request;
+  ld::Application app(
+      "ld_export", "Exports a network to one deployable file and measures what that changes in its output.");
+  CLI::App& options = app.options();
+  declare(options, request);
   options.footer(
       "Examples:\n"
       "  ld_export --model out/run --format safetensors --out denoiser.safetensors\n"
@@ -94,6 +104,8 @@ int main(int argc, char** argv) {
       "  ld_export --model out/run --format onnx --dtype f16 --out denoiser.onnx");
 
   return app.run(argc, argv, [&] {
+    auto& [model, untrained, mix, format, out, dtype, calibrate, check_data, card, frames, mix_share,
+           allowed] = request;
     if (model.empty() == untrained.empty()) ld::fail_command_line("give --model or --untrained");
     const bool int8 = dtype == "i8";
     if (!mix.empty() && (int8 || model.empty()))
