@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/json_text.h"
 #include "core/progress.h"
 #include "core/random.h"
 #include "dataset/input_tensors.h"
@@ -50,8 +51,9 @@ ExportSource load_source(const std::filesystem::path& model) {
 
 void mix_in(const std::filesystem::path& model, double share, ExportSource& source) {
   mix_in_weights(model, share, *source.network, "--mix");
-  auto json = source.provenance.empty() ? nlohmann::ordered_json::object()
-                                        : nlohmann::ordered_json::parse(source.provenance);
+  auto json = source.provenance.empty()
+                  ? nlohmann::ordered_json::object()
+                  : nlohmann::ordered_json(parse_json(source.provenance, model.string()));
   json["mixed_with"] = fmt::format("{} of {}", share, model.filename().string());
   source.provenance = json.dump();
 }

@@ -6,26 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/sequence/wall.h"
 #include "tests/support/expect_error.h"
 
 namespace ld {
 namespace {
-
-/// A wall that faces the camera, moved by (flow_x, flow_y) pixels since the frame before.
-SurfaceGuides moved_wall(int width, int height, float depth, float flow_x = 0, float flow_y = 0) {
-  SurfaceGuides guides;
-  guides.width = width;
-  guides.height = height;
-  guides.depth_scale = depth;
-  guides.has_flow = true;
-  const size_t count = size_t(width) * size_t(height);
-  guides.surface.assign(count, SeenSurface{depth, 0, 0, 1, 0});
-  guides.depth.assign(count, depth);
-  guides.flow_x.assign(count, flow_x);
-  guides.flow_y.assign(count, flow_y);
-  guides.flow_z.assign(count, 0);
-  return guides;
-}
 
 void show(SurfaceGuides& guides, int x, int y, float depth, float flow_x) {
   const size_t p = guides.index(x, y);
@@ -35,7 +20,7 @@ void show(SurfaceGuides& guides, int x, int y, float depth, float flow_x) {
 }
 
 TEST(FlowToNext, WhatStandsStillDoes) {
-  const Image flow = flow_to_next(moved_wall(5, 3, 4), moved_wall(5, 3, 4));
+  const Image flow = flow_to_next(wall(5, 3, 4), wall(5, 3, 4));
   for (const float value : flow.pixels) {
     EXPECT_EQ(value, 0);
     EXPECT_FALSE(std::signbit(value));
@@ -44,7 +29,7 @@ TEST(FlowToNext, WhatStandsStillDoes) {
 
 // The next frame shows at x what lay at x + 1.5 in this one: it moves by -1.5, and what leaves is unknown.
 TEST(FlowToNext, TurnsAMovementAround) {
-  const Image flow = flow_to_next(moved_wall(6, 4, 4), moved_wall(6, 4, 4, 1.5F, -1));
+  const Image flow = flow_to_next(wall(6, 4, 4), wall(6, 4, 4, 1.5F, -1));
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 6; ++x) {
       const bool told = x >= 1 && y < 3;
@@ -55,7 +40,7 @@ TEST(FlowToNext, TurnsAMovementAround) {
 
 // A ball at depth 2 moves from pixel 2 to pixel 4 in front of a wall that stands still.
 TEST(FlowToNext, WhatAPixelShowsDecides) {
-  SurfaceGuides now = moved_wall(7, 1, 8), next = moved_wall(7, 1, 8);
+  SurfaceGuides now = wall(7, 1, 8), next = wall(7, 1, 8);
   show(now, 2, 0, 2, 0);
   show(next, 4, 0, 2, -2);
   const Image flow = flow_to_next(now, next);
@@ -74,12 +59,12 @@ TEST(FlowToNext, WhatAPixelShowsDecides) {
 TEST(FlowToNext, NumbersThatAreNone) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                           3e38F, -3e38F, kNoFlow}) {
-    const Image flow = flow_to_next(moved_wall(1, 1, 4), moved_wall(1, 1, 4, bad, 0));
+    const Image flow = flow_to_next(wall(1, 1, 4), wall(1, 1, 4, bad, 0));
     EXPECT_EQ(flow.at(0, 0, 0), kNoFlow);
     EXPECT_EQ(flow.at(1, 0, 0), kNoFlow);
   }
-  EXPECT_EQ(flow_to_next(moved_wall(1, 1, 4), moved_wall(1, 1, 4, 1e-38F, -1e-42F)).at(1, 0, 0), 1e-42F);
-  EXPECT_ERROR(flow_to_next(moved_wall(2, 1, 4), moved_wall(1, 1, 4)), "expected one size");
+  EXPECT_EQ(flow_to_next(wall(1, 1, 4), wall(1, 1, 4, 1e-38F, -1e-42F)).at(1, 0, 0), 1e-42F);
+  EXPECT_ERROR(flow_to_next(wall(2, 1, 4), wall(1, 1, 4)), "expected one size");
 }
 
 TEST(FlowToNext, SamplesOfAPixelGetItUnlessMasked) {

@@ -5,28 +5,13 @@
 #include <limits>
 
 #include "sequence/surface_guides.h"
+#include "tests/sequence/wall.h"
 
 namespace ld {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// A wall that faces the camera, moved by (flow_x, flow_y) pixels since the previous frame.
-SurfaceGuides wall(int width, int height, float depth, float flow_x = 0, float flow_y = 0) {
-  SurfaceGuides guides;
-  guides.width = width;
-  guides.height = height;
-  guides.depth_scale = depth;
-  guides.has_flow = true;
-  const size_t count = size_t(width) * size_t(height);
-  guides.surface.assign(count, SeenSurface{depth, 0, 0, 1, 0});
-  guides.depth.assign(count, depth);
-  guides.flow_x.assign(count, flow_x);
-  guides.flow_y.assign(count, flow_y);
-  guides.flow_z.assign(count, 0);
-  return guides;
-}
 
 TEST(Reprojection, ConstantsAndSigns) {
   const SeenSurface now{10, 0, 0, 1, 3};
