@@ -211,27 +211,6 @@ TEST(Skipping, LeavesOutLayersWithoutInfluence) {
   }
 }
 
-// The layers themselves are outputs there, those of networks without transmittance among them.
-TEST(Skipping, LayerViewsKeepEveryBit) {
-  size_t looked_at = 0;
-  for (const NetworkConfig& config : graph_configs()) {
-    if (config.name != "layer") continue;
-    const graph::Graph graph = layer_views_graph(config);
-    const Frame frame = random_frame(70, 90, 2, 3);
-    for (const float sign : {1.0F, -1.0F}) {
-      const NamedWeights weights = one_sided(config, sign);
-      Execution all(graph, weights, {2, 90, 70}, skipping(std::nullopt, 2)),
-          exact(graph, weights, {2, 90, 70}, skipping(0, 2));
-      const std::vector<Image> expected = all.run(frame), found = exact.run(frame);
-      ASSERT_EQ(found.size(), expected.size());
-      for (size_t i = 0; i < found.size(); ++i)
-        EXPECT_EQ(found[i].pixels, expected[i].pixels) << full_title(config) << ", output " << i;
-      ++looked_at;
-    }
-  }
-  EXPECT_GT(looked_at, 2U);
-}
-
 TEST(Skipping, LightReachOfNetworks) {
   for (const NetworkConfig& config : every_config()) {
     const std::optional<graph::LightReach> reach = graph::light_reach(network_graph(config));
