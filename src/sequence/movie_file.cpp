@@ -25,8 +25,6 @@
 #include "frame/frame_file.h"
 #include "frame/picture_formats.h"
 
-extern char** environ;
-
 namespace ld {
 namespace fs = std::filesystem;
 namespace {
