@@ -13,26 +13,33 @@ shots=${NAME_SHOTS:-turn dolly gltf cycles}
 python=out/peers/venv/bin/python
 mkdir -p "$out"
 
-# References are for the frames that are kept apart; adapting reads none.
+# Adapting reads no references, so those of its frames are of few samples; those of the frames that are kept apart have a set of their own.
+train_frames="0 2 3 5 6 8 9 11" test_frames="1 4 7 10"
 render() { # NAME RECIPE WORDS...
-  "$bin/ld_render" --recipe "data/recipes/$2.yaml" --out "$out/$1" --frames 0:12 'resolution=[160,96]' spp=8 frames.train=12 frames.validation=0 \
-    frames.test=0 reference_spp.train=256 "${@:3}" >&2
+  local frame
+  for frame in $train_frames; do one_frame "$1" "$2" 8 "$frame" "${@:3}"; done
+  for frame in $test_frames; do one_frame "$1_test" "$2" 2048 "$frame" "${@:3}"; done
+}
+one_frame() { # NAME RECIPE REFERENCE FRAME WORDS...
+  "$bin/ld_render" --recipe "data/recipes/$2.yaml" --out "$out/$1" --frames "$4:$(($4 + 1))" 'resolution=[160,96]' spp=8 frames.train=12 \
+    frames.validation=0 frames.test=0 reference_spp.train="$3" "${@:5}" >> "$out/render.log" 2>&1 || { tail -n 3 "$out/render.log" >&2; exit 1; }
 }
 make_cycles() {
   command -v blender > /dev/null || { echo "adapt_study.sh: found no blender; apt-get install blender" >&2; exit 1; }
-  local renders=$out/cycles_renders set=() folder name
-  [ -e "$renders/mapping.txt" ] || blender -b -P scripts/peers/cycles_sequence.py -- "$renders" 12 8 160 96 256 1 > "$out/blender.log" 2>&1
+  local renders=$out/cycles_renders set=() frame name folder data
+  [ -e "$renders/mapping.txt" ] ||
+    blender -b -P scripts/peers/cycles_sequence.py -- "$renders" 12 8 160 96 2048 1 "${test_frames// /,}" > "$out/blender.log" 2>&1
   while read -r assignment; do set+=(--set "$assignment"); done < "$renders/mapping.txt"
-  for folder in "$renders"/[0-9]*; do
-    name=$(basename "$folder")
-    "$bin/ld_import" --preset cycles "${set[@]}" --camera "$folder/camera.yaml" --reference "$folder/reference.exr" --out "$out/cycles" \
-      --name "frame_$name" --split train --sequence 0 --position $((10#$name)) "$folder"/sample_*.exr > "$out/import.log" 2>&1 ||
-      { cat "$out/import.log" >&2; exit 1; }
+  for frame in $train_frames $test_frames; do
+    name=$(printf %04d "$frame") folder=$renders/$(printf %04d "$frame") data=$out/cycles reference=()
+    if [ -e "$folder/reference.exr" ]; then data=$out/cycles_test reference=(--reference "$folder/reference.exr"); fi
+    "$bin/ld_import" --preset cycles "${set[@]}" --camera "$folder/camera.yaml" "${reference[@]}" --out "$data" --name "frame_$name" --split train \
+      --sequence 0 --position "$frame" "$folder"/sample_*.exr > "$out/import.log" 2>&1 || { cat "$out/import.log" >&2; exit 1; }
   done
 }
 own=(seed=77 sequence.length=12 sequence.noise_instances=1 scenes.defocus=1 scenes.motion_blur=1)
 for shot in $shots; do
-  [ ! -e "$out/$shot/split" ] || continue
+  [ ! -e "$out/$shot/made" ] || continue
   case $shot in
     turn) render turn sequence_quick "${own[@]}" 'sequence.kinds=[turn]' scenes.indoor=1 ;;
     dolly) render dolly sequence_quick "${own[@]}" 'sequence.kinds=[dolly]' scenes.indoor=0 ;;
@@ -40,14 +47,7 @@ for shot in $shots; do
     cycles) make_cycles ;;
     *) echo "adapt_study.sh: no shot is named $shot; there are turn, dolly, gltf and cycles" >&2; exit 2 ;;
   esac
-  python3 - "$out/$shot/manifest.json" <<'END'
-import json, sys
-manifest = json.load(open(sys.argv[1]))
-for number, frame in enumerate(manifest["frames"]):
-    frame["split"] = "test" if number % 3 == 1 else "train"
-json.dump(manifest, open(sys.argv[1], "w"), indent=1)
-END
-  touch "$out/$shot/split"
+  touch "$out/$shot/made"
 done
 
 for shot in $shots; do
@@ -59,10 +59,10 @@ for shot in $shots; do
   fi
   others=()
   if [ -x "$python" ]; then
-    [ -e "$out/oidn_$shot" ] || "$python" scripts/peers/oidn_denoise.py --data "$out/$shot" --samples 8 --out "$out/oidn_$shot" >&2
+    [ -e "$out/oidn_$shot" ] || "$python" scripts/peers/oidn_denoise.py --data "$out/${shot}_test" --split train --samples 8 --out "$out/oidn_$shot" >&2
     others=(--images oidn="$out/oidn_$shot")
   fi
-  "$bin/ld_eval" --data "$out/$shot" --model released="models/pretrained/$init.safetensors" --model adapted="$out/$run/$shot" "${others[@]}" \
+  "$bin/ld_eval" --data "${out}/${shot}_test" --split train --model released="models/pretrained/$init.safetensors" --model adapted="$out/$run/$shot" "${others[@]}" \
     --baseline released --report-frames 4 --out "$out/$run/eval_$shot" > "$out/$run/eval_$shot.txt"
 done
 python3 - "$out" "$run" $shots <<'END' | tee "$out/$run/table.md"

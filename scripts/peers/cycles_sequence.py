@@ -1,11 +1,11 @@
 """Renders a short animation with Blender Cycles, sample by sample, for temporal filters (docs/sequences.md): the camera goes round, a ball rolls.
 
-    blender -b -P scripts/peers/cycles_sequence.py -- OUT [FRAMES [SAMPLES [WIDTH [HEIGHT [REFERENCE [BLUR]]]]]]
+    blender -b -P scripts/peers/cycles_sequence.py -- OUT [FRAMES [SAMPLES [WIDTH [HEIGHT [REFERENCE [BLUR [ONLY]]]]]]]
 
 writes OUT/0000/sample_000.exr, ..., OUT/0000/reference.exr (of REFERENCE samples) and OUT/0000/camera.yaml; OUT/0001 and so on; and
 OUT/mapping.txt, what tells the importer where distance and object are. With the passes Vector, object index, and direct, indirect and emitted light.
-With BLUR 1 the camera has a wide lens and its shutter is open for half of the time; Cycles then writes no Vector pass. Works with the module bpy,
-too.
+ONLY, such as 1,4,7, names the frames that get a reference. What is there is kept. With BLUR 1 the camera has a wide lens and its shutter is open for
+half of the time; Cycles then writes no Vector pass. Works with the module bpy, too.
 """
 import math
 import sys
@@ -88,7 +88,9 @@ def blur(scene):
 def main():
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
     out = Path(arguments[0]).resolve()
-    frames, samples, width, height, reference, blurred = [int(x) for x in arguments[1:]] + [16, 2, 160, 90, 128, 0][len(arguments) - 1:]
+    numbers = [int(x) for x in arguments[1:7]]
+    frames, samples, width, height, reference, blurred = numbers + [16, 2, 160, 90, 128, 0][len(numbers):]
+    referenced = {int(x) for x in arguments[7].split(",")} if len(arguments) > 7 else set(range(frames))
     scene, layer = build(frames), bpy.context.view_layer
     if blurred:
         blur(scene)
@@ -101,9 +103,13 @@ def main():
         folder = out / f"{frame:04}"
         folder.mkdir(parents=True, exist_ok=True)
         scene.frame_set(frame + 1)
-        for s in range(samples):
-            cycles_samples.render(scene, folder / f"sample_{s:03}.exr", 1, 1000 * frame + s, first=1)
-        cycles_samples.render(scene, folder / "reference.exr", reference, 1000 * frame + 999, first=1)
+        pictures = [(f"sample_{s:03}.exr", 1, s) for s in range(samples)]
+        if frame in referenced:
+            pictures.append(("reference.exr", reference, 999))
+        for name, spp, stream in pictures:
+            if not (folder / name).exists():
+                cycles_samples.render(scene, folder / "unfinished.exr", spp, 1000 * frame + stream, first=1)
+                (folder / "unfinished.exr").rename(folder / name)
         sampling.write_camera(scene, folder / "camera.yaml")
     assignments = [*sampling.depth_assignments(scene), 'id.channels=["{layer}.Object.X | {layer}.Object.V"]']
     (out / "mapping.txt").write_text("".join(line + "\n" for line in assignments), encoding="ascii")

@@ -2,8 +2,9 @@
 """Renders the Cycles test set, scenes by script that no program of ours rendered (docs/cycles_test_set.md).
 
     out/peers/venv/bin/python scripts/peers/cycles_test_set.py --out out/cycles_test
+    out/peers/venv/bin/python scripts/peers/cycles_test_set.py --out out/cycles_training --random 0:100 --size 128
 
-Each frame is rendered by a process of its own: single samples, then two halves of the reference. What is there is kept.
+The second one makes frames to train on, of other scenes, by chance. Each frame is rendered by a process of its own: single samples, then two halves of the reference. What is there is kept.
 """
 import argparse
 import json
@@ -33,6 +34,7 @@ def parse():
     parser.add_argument("--out", type=Path, required=True, help="folder of the data set")
     parser.add_argument("--meshes", type=Path, default=dataset.ROOT / "out/peers/pybullet_data")
     parser.add_argument("--only", default="", help="names of frames or scenes must begin with this")
+    parser.add_argument("--random", metavar="FIRST:END", help="instead of the test set, scenes by chance with these numbers, for training")
     parser.add_argument("--size", type=int, default=160)
     parser.add_argument("--spp", type=int, default=16, help="samples a pixel, each a render of its own (default 16)")
     parser.add_argument("--reference-spp", type=int, default=2048, help="two halves of half as many")
@@ -44,10 +46,21 @@ def parse():
 
 
 def names_of(options):
+    if options.random:
+        first, end = options.random.split(":")
+        return [f"random_{number:04}" for number in range(int(first), int(end))]
     return [f"{scene}_{view}" for view in range(VIEWS) for scene in SCENES if f"{scene}_{view}".startswith(options.only)]
 
 
+def split_of(name):
+    """Of scenes by chance, one in twelve is for validation."""
+    return "test" if not name.startswith("random_") else "validation" if int(name[7:]) % 12 == 11 else "train"
+
+
 def build(name, meshes):
+    if name.startswith("random_"):
+        __import__("scenes_random").build(int(name[7:]))
+        return
     module, function, takes_meshes = SCENES[name[:-2]]
     getattr(__import__(module), function)(int(name[-1]), *([meshes] if takes_meshes else []))
 
@@ -139,7 +152,7 @@ def main():
             cycles_depth.from_mist(sample, about)
         join_halves(folder, name, options.out / "halves")
         camera_file.write(folder / "camera.yaml", about)
-        dataset.import_frame(options, "cycles", name, "test", folder)
+        dataset.import_frame(options, "cycles", name, split_of(name), folder)
         shutil.rmtree(folder)
     print(f"cycles_test_set: {options.out} has {len(dataset.frames_in(options.out))} frames")
 
