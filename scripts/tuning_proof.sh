@@ -2,7 +2,7 @@
 # Whether ld_tune finds what a scene requires (docs/tuning.md), on three data sets of 56 frames: without defocus and motion, with all of it, and views of
 # one glTF model. Each by scripts/tuning_study.sh; then what was found for the one model beside the released networks, on views that nobody saw.
 #   scripts/tuning_proof.sh [OUT [MINUTES]]     (default: out/tuning_proof, 4 minutes of searching and 12 of the exhaustive search each)
-# What is finished is kept. Needs Debian's assimp-testmodels and the programs in build/bin/. Environment: BIN, SHARE (of common_fine's time that a
+# What is finished is kept. Needs Debian's assimp-testmodels and the programs in build/bin/. Environment: BIN, THREADS (default: all), SHARE (of common_fine's time that a
 # frame may take on the first two, default 0.25; on the third it is a tenth).
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,7 +12,7 @@ mkdir -p "$out"
 
 declare -A scene=([plain]="scenes.defocus=0 scenes.motion_blur=0" [all]="" [gltf]="scene_file.path=/usr/share/assimp/models/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb")
 tradeoff() { # NAME SPLIT MODELS...: into OUT/NAME/SPLIT.json
-  "$bin/ld_bench" tradeoff --data "$out/$1/data" --split "$2" "${@:3}" --repeats 5 --json "$out/$1/$2.json" > "$out/$1/$2.txt"
+  "$bin/ld_bench" tradeoff --threads "${THREADS:-$(nproc)}" --data "$out/$1/data" --split "$2" "${@:3}" --repeats 5 --json "$out/$1/$2.json" > "$out/$1/$2.txt"
 }
 for name in plain all gltf; do
   mkdir -p "$out/$name"

@@ -7,20 +7,20 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# -ge 5 ] || { sed -n '2,5s/^# //p' "$0" >&2; exit 2; }
 data=$1 out=$2 minutes=$3 budget=$4 size=$5
-bin=${BIN:-build/bin}
+bin=${BIN:-build/bin} threads=${THREADS:-$(nproc)}
 mkdir -p "$out"
-"$bin/ld_tune" --data "$data" --budget-ms "$budget" --at "$size" --minutes "$minutes" --out "$out/tuned.safetensors" "${@:6}"
+"$bin/ld_tune" --threads "$threads" --data "$data" --budget-ms "$budget" --at "$size" --minutes "$minutes" --out "$out/tuned.safetensors" "${@:6}"
 
 mapfile -t grid < <(ls "$out"/tuned.safetensors.tune/trials/*_rung0.yaml)
 share=$(python3 -c "print(3 * $minutes / ${#grid[@]})")
 models=()
 for config in "${grid[@]}"; do
   name=$(basename "$config" _rung0.yaml)
-  "$bin/ld_train" --config "$config" run.minutes="$share" --out "$out/$name"
+  "$bin/ld_train" --threads "$threads" --config "$config" run.minutes="$share" --out "$out/$name"
   models+=(--model "$name=$out/$name")
 done
 samples=$(python3 -c "import json; print(json.load(open('$out/tuned.safetensors.tune/table.json'))['spp'])")
-"$bin/ld_eval" --data "$data" --split validation --samples "$samples" --report-frames 0 \
+"$bin/ld_eval" --threads "$threads" --data "$data" --split validation --samples "$samples" --report-frames 0 \
   --model "tuned=$out/tuned.safetensors" "${models[@]}" --out "$out/eval" --json "$out/eval.json"
 python3 - "$out/eval/comparison.csv" "$out/eval/metrics.csv" <<'PY'
 import csv, sys

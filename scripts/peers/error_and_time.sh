@@ -2,7 +2,7 @@
 # Error against time on one shot that nobody was trained on: the released networks in floats and in 8 bits, as they are and fitted to the shot for
 # MINUTES without references (docs/training.md), the filters, and Open Image Denoise's three qualities; two sizes, 2, 8 and 32 samples a pixel.
 #   scripts/peers/error_and_time.sh [OUT]     (default: out/error_and_time; docs/tradeoff.md is what it leaves)
-# Renders 12 frames of 160x96, of which 4 are compared, and 2 of 480x288, with 32 samples a pixel. What is finished is kept, so it may be stopped and
+# Renders 12 frames of 160x96, of which 4 are compared and 8 learnt from, and 2 of 480x288, with 32 samples a pixel. What is finished is kept, so it may be stopped and
 # started again. Needs scripts/peers/setup.sh and the programs in build/bin/. Environment: MINUTES (default 5), THREADS (default: all), BIN.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -15,34 +15,37 @@ once() { # NAME COMMAND...: unless it has been done
   touch "$out/$1.done"
   echo "error_and_time: $1" >&2
 }
-shot() { # NAME WIDTH HEIGHT FRAMES REFERENCE
-  "$bin/ld_render" --recipe data/recipes/sequence_quick.yaml --out "$out/$1" --frames "$4" "resolution=[$2,$3]" spp=32 reference_spp.train="$5" seed=77 \
-    frames.train=12 frames.validation=0 frames.test=0 sequence.length=12 sequence.noise_instances=1 'sequence.kinds=[turn]' scenes.indoor=1 \
-    scenes.defocus=1 scenes.motion_blur=1
+shot() { # NAME WIDTH HEIGHT REFERENCE FRAMES...: of one shot, with these references
+  local frame
+  for frame in "${@:5}"; do
+    "$bin/ld_render" --recipe data/recipes/sequence_quick.yaml --out "$out/$1" --frames "$frame:$((frame + 1))" "resolution=[$2,$3]" spp=32 \
+      reference_spp.train="$4" seed=77 frames.train=12 frames.validation=0 frames.test=0 sequence.length=12 sequence.noise_instances=1 'sequence.kinds=[turn]' \
+      scenes.indoor=1 scenes.defocus=1 scenes.motion_blur=1
+  done
 }
-splits() { # NAME: frames 1, 4, 7 and 10 are compared, 3 and 9 choose the fitted weights and measure 8 bits
-  python3 - "$out/$1/manifest.json" <<'END'
+choose() { # two of the frames to learn from choose the fitted weights and measure 8 bits
+  python3 - "$out/learnt/manifest.json" <<'END'
 import json, sys
 manifest = json.load(open(sys.argv[1]))
 for frame in manifest["frames"]:
-    frame["split"] = {1: "test", 0: "validation"}.get(frame["index"] % 3, "train") if frame["index"] not in (0, 6) else "train"
+    if frame["index"] in (3, 9):
+        frame["split"] = "validation"
 json.dump(manifest, open(sys.argv[1], "w"), indent=1)
 END
 }
-once small shot small 160 96 0:12 256
-once small_splits splits small
-once large shot large 480 288 1:2 96
-once large_2 shot large 480 288 7:8 96
-once large_splits splits large
+once learnt shot learnt 160 96 64 0 2 3 5 6 8 9 11
+once chosen choose
+once small shot small 160 96 2048 1 4 7 10
+once large shot large 480 288 1024 1 7
 
 names=(common_fast common_fine) models=()
 for name in "${names[@]}"; do
-  once "$name.fitted" "$bin/ld_train" --config configs/adapt.yaml init="$name" data.path="$out/small" run.minutes="${MINUTES:-5}" --threads "$threads" \
+  once "$name.fitted" "$bin/ld_train" --config configs/adapt.yaml init="$name" data.path="$out/learnt" run.minutes="${MINUTES:-5}" --threads "$threads" \
     --out "$out/$name.fit"
   once "$name.fitted.f16" "$bin/ld_export" --model "$out/$name.fit" --format safetensors --allowed 1 --out "$out/${name}_fitted.safetensors"
   [ -e "$out/$name.safetensors" ] || cp "models/pretrained/$name.safetensors" "$out/"
   for weights in "$name" "${name}_fitted"; do
-    once "$weights.i8" "$bin/ld_export" --model "$out/$weights.safetensors" --format safetensors --dtype i8 --calibrate "$out/small" --allowed 1 \
+    once "$weights.i8" "$bin/ld_export" --model "$out/$weights.safetensors" --format safetensors --dtype i8 --calibrate "$out/learnt" --allowed 1 \
       --out "$out/${weights}_i8.safetensors"
     models+=(--model "$weights=$out/$weights.safetensors" --model "${weights}_i8=$out/${weights}_i8.safetensors")
   done
@@ -52,11 +55,11 @@ for size in small large; do
   for samples in 2 8 32; do
     others=()
     for quality in fast balanced high; do
-      once "$size.$samples.oidn_$quality" "$python" scripts/peers/oidn_denoise.py --data "$out/$size" --samples "$samples" --quality $quality \
+      once "$size.$samples.oidn_$quality" "$python" scripts/peers/oidn_denoise.py --data "$out/$size" --split train --samples "$samples" --quality $quality \
         --threads "$threads" --repeats 5 --out "$out/$size.$samples.oidn_$quality"
       others+=(--images "oidn_$quality=$out/$size.$samples.oidn_$quality")
     done
-    once "$size.$samples" "$bin/ld_bench" tradeoff --threads "$threads" --data "$out/$size" --samples "$samples" "${models[@]}" --filter eaw --filter svgf \
+    once "$size.$samples" "$bin/ld_bench" tradeoff --threads "$threads" --data "$out/$size" --split train --samples "$samples" "${models[@]}" --filter eaw --filter svgf \
       "${others[@]}" --out "$out/$size.$samples" --json "$out/$size.$samples.json"
   done
 done
