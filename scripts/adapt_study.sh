@@ -26,15 +26,18 @@ one_frame() { # NAME RECIPE REFERENCE FRAME WORDS...
 }
 make_cycles() {
   command -v blender > /dev/null || { echo "adapt_study.sh: found no blender; apt-get install blender" >&2; exit 1; }
-  local renders=$out/cycles_renders set=() frame name folder data
-  [ -e "$renders/mapping.txt" ] ||
-    blender -b -P scripts/peers/cycles_sequence.py -- "$renders" 12 8 160 96 2048 1 "${test_frames// /,}" > "$out/blender.log" 2>&1
+  local renders=$out/cycles_renders set=() frame name folder where
+  # It keeps what is there.
+  blender -b -P scripts/peers/cycles_sequence.py -- "$renders" 12 8 160 96 2048 1 "${test_frames// /,}" > "$out/blender.log" 2>&1
   while read -r assignment; do set+=(--set "$assignment"); done < "$renders/mapping.txt"
+  mkdir -p "$out/cycles"
   for frame in $train_frames $test_frames; do
-    name=$(printf %04d "$frame") folder=$renders/$(printf %04d "$frame") data=$out/cycles reference=()
-    if [ -e "$folder/reference.exr" ]; then data=$out/cycles_test reference=(--reference "$folder/reference.exr"); fi
-    "$bin/ld_import" --preset cycles "${set[@]}" --camera "$folder/camera.yaml" "${reference[@]}" --out "$data" --name "frame_$name" --split train \
-      --sequence 0 --position "$frame" "$folder"/sample_*.exr > "$out/import.log" 2>&1 || { cat "$out/import.log" >&2; exit 1; }
+    name=frame_$(printf %04d "$frame") folder=$renders/$(printf %04d "$frame")
+    where=(--frame "$out/cycles/$name.exr")
+    [ ! -e "$folder/reference.exr" ] || where=(--reference "$folder/reference.exr" --out "$out/cycles_test" --name "$name" --split train
+      --sequence 0 --position "$frame")
+    "$bin/ld_import" --preset cycles "${set[@]}" --camera "$folder/camera.yaml" "${where[@]}" \
+      "$folder"/sample_*.exr > "$out/import.log" 2>&1 || { cat "$out/import.log" >&2; exit 1; }
   done
 }
 own=(seed=77 sequence.length=12 sequence.noise_instances=1 scenes.defocus=1 scenes.motion_blur=1)

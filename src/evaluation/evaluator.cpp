@@ -62,8 +62,7 @@ Image picture_of(const Method& method, const EvaluationFrame& frame, SequenceSta
     place.extent.height = frame.frame.height;
     return method.read(frame.name, place);
   }
-  if (frame.frame.info.cut) state.end();
-  state.advance(frame.in_sequence, frame.frame.width, frame.frame.height);
+  state.advance(frame.in_sequence, frame.frame.width, frame.frame.height, frame.frame.info.cut);
   const auto start = std::chrono::steady_clock::now();
   Image denoised = method.denoise(frame.frame, state);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;

@@ -50,9 +50,8 @@ BackwardPass::Kept& BackwardPass::kept(size_t key) {
 
 void BackwardPass::add(size_t key, Frame& frame, const SequencePlace& place, bool alpha,
                        const DenoiseOptions& options) {
-  if (cut_behind_) state_.end();
+  state_.advance(SequencePlace{place.sequence, -place.position}, frame.width, frame.height, cut_behind_);
   cut_behind_ = frame.info.cut;
-  state_.advance(SequencePlace{place.sequence, -place.position}, frame.width, frame.height);
   if (reads_flow_ && frame.holds("flow")) {
     SurfaceGuides now = surface_guides(frame);
     if (state_.history() > 0 && next_) set_flow(frame, flow_to_next(now, *next_));

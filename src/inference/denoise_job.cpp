@@ -94,10 +94,8 @@ class Run {
     const InputFrame input = read(task);
     const Frame& frame = input.frame;
     tell_what_was_taken(input);
-    for (SequenceState* state : {&state_, &first_half_, &second_half_}) {
-      if (frame.info.cut) state->end();
-      state->advance(task.place, frame.width, frame.height);
-    }
+    for (SequenceState* state : {&state_, &first_half_, &second_half_})
+      state->advance(task.place, frame.width, frame.height, frame.info.cut);
     const auto start = std::chrono::steady_clock::now();
     DenoisedParts denoised;
     if (filter_)

@@ -2,8 +2,8 @@
 
 namespace ld {
 
-void SequenceState::advance(const std::optional<SequencePlace>& place, int width, int height) {
-  const bool follows = place && last_ && place->sequence == last_->sequence &&
+void SequenceState::advance(const std::optional<SequencePlace>& place, int width, int height, bool cut) {
+  const bool follows = !cut && place && last_ && place->sequence == last_->sequence &&
                        place->position == last_->position + 1 && width == width_ && height == height_;
   if (!follows) end();
   history_ = follows ? history_ + 1 : 0;

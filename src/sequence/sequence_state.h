@@ -17,8 +17,9 @@ struct SequencePlace {
 class SequenceState {
  public:
   /// To be called before each frame, with its place and size in pixels. A frame that does not come right
-  /// after the one before in the same sequence, or has another size, starts anew: nothing is remembered then.
-  void advance(const std::optional<SequencePlace>& place, int width, int height);
+  /// after the one before in the same sequence, or behind a cut, or has another size, starts anew: nothing is
+  /// remembered then.
+  void advance(const std::optional<SequencePlace>& place, int width, int height, bool cut = false);
 
   /// The frame that was announced last could not be denoised, or is the last one: the next one starts anew.
   void end();

@@ -192,8 +192,11 @@ void Trainer::validate() {
     course_.validated(loss, kernels.entropy, kernels.deviation);
   if (!group_.is_root()) return;
   std::string text;
+  // Beside single samples every picture is bad: what counts is what judge() says.
+  if (validation_.has_sample_targets()) text = " against noisy samples that it does not see";
   for (const Metric& metric : metrics())
-    text += fmt::format(", {} {:.{}f}", metric.title, row_.at(metric.name), metric.digits);
+    if (!validation_.has_sample_targets())
+      text += fmt::format(", {} {:.{}f}", metric.title, row_.at(metric.name), metric.digits);
   if (const Metric& steady = sequence_measures().front(); row_.count(steady.name) > 0)
     text += fmt::format(", {} {:.{}f}", steady.title, row_.at(steady.name), steady.digits);
   spdlog::info("step {}: validation loss {:.4f}{}{}", state().step, row_.at("validation_loss"),

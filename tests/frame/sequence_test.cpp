@@ -52,8 +52,9 @@ TEST(SequenceRuns, NoiseInstancesAreSequencesSideBySide) {
 
 TEST(SequenceState, StartsAdvancesAndEnds) {
   SequenceState state;
-  const auto history = [&](std::optional<SequencePlace> place, int width = 8, int height = 6) {
-    state.advance(place, width, height);
+  const auto history = [&](std::optional<SequencePlace> place, int width = 8, int height = 6,
+                           bool cut = false) {
+    state.advance(place, width, height, cut);
     EXPECT_EQ(state.memory.has_value(), state.history() > 0) << "kept at a start, or lost within a sequence";
     state.memory = 1;
     return state.history();
@@ -73,6 +74,9 @@ TEST(SequenceState, StartsAdvancesAndEnds) {
   state.end();
   EXPECT_FALSE(state.memory.has_value());
   EXPECT_EQ(history(SequencePlace{4, 9}, 9, 7), 0) << "frame 8 could not be denoised";
+  EXPECT_EQ(history(SequencePlace{4, 10}, 9, 7), 1);
+  EXPECT_EQ(history(SequencePlace{4, 11}, 9, 7, true), 0) << "behind a cut";
+  EXPECT_EQ(history(SequencePlace{4, 12}, 9, 7), 1);
   EXPECT_EQ(history({}), 0);
   EXPECT_EQ(history({}), 0) << "stills have nothing to do with one another";
   EXPECT_EQ(history(SequencePlace{0, 0}), 0);

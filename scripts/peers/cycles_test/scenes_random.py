@@ -103,6 +103,8 @@ def build(number):
     rng = stream(f"training {number}")
     begin(math.exp(rng.uniform(-1.0, 0.6)))
     indoors = rng.random() < 0.45
+    angle, away = rng.uniform(0, 2 * math.pi), rng.uniform(2.8, 4.2 if indoors else 7.0)
+    place = (away * math.cos(angle), away * math.sin(angle), rng.uniform(0.6, 3.2))
     surroundings(math.exp(rng.uniform(-1.5, 0.4)), rng.choice((None, *PROBES)), rng.uniform(0, 6), colour(rng, 0.3))
     floor(matter(rng, True), 9 if indoors else 60)
     if indoors:  # a room with three or four walls; the camera is inside
@@ -113,11 +115,11 @@ def build(number):
         if rng.random() < 0.7:
             floor(matter(rng, True), 9, 5.0)
     elif rng.random() < 0.5:
-        wall(matter(rng, True), (rng.uniform(-3, 3), rng.uniform(3, 6), 0), rng.uniform(4, 30), rng.uniform(2, 9), rng.uniform(-0.5, 0.5))
+        behind, far = angle + math.pi + rng.uniform(-0.5, 0.5), rng.uniform(3, 6)
+        wall(matter(rng, True), (far * math.cos(behind), far * math.sin(behind), 0), rng.uniform(4, 30), rng.uniform(2, 9),
+             behind - math.pi / 2 + rng.uniform(-0.5, 0.5))
     if rng.random() < 0.25:
         blades(scatter(rng.randrange(50, 700), rng, (-3, -3), (3, 3)), rng.uniform(0.3, 1), rng.uniform(0.02, 0.08), matter(rng), rng)
-    angle, away = rng.uniform(0, 2 * math.pi), rng.uniform(2.8, 4.2 if indoors else 7.0)
-    place = (away * math.cos(angle), away * math.sin(angle), rng.uniform(0.6, 3.2))
     stands = []
     if rng.random() < 0.5:  # a table
         top = rng.uniform(0.4, 1.0)
