@@ -2,7 +2,7 @@
 # Error against time on one shot that nobody was trained on: the released networks in floats and in 8 bits, as they are and fitted to the shot for
 # MINUTES without references (docs/training.md), the filters, and Open Image Denoise's three qualities; two sizes, 2, 8 and 32 samples a pixel.
 #   scripts/peers/error_and_time.sh [OUT]     (default: out/error_and_time; docs/tradeoff.md is what it leaves)
-# Renders 12 frames of 160x96, of which 4 are compared and 8 learnt from, and 2 of 480x288, with 32 samples a pixel. What is finished is kept, so it may be stopped and
+# Renders 12 frames of 160x96, of which 4 are compared and 8 learnt from, and 7 of 480x288 (2 and 5). What is finished is kept, so it may be stopped and
 # started again. Needs scripts/peers/setup.sh and the programs in build/bin/. Environment: MINUTES (default 5), THREADS (default: all), BIN.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -23,8 +23,8 @@ shot() { # NAME WIDTH HEIGHT REFERENCE FRAMES...: of one shot, with these refere
       scenes.indoor=1 scenes.defocus=1 scenes.motion_blur=1
   done
 }
-choose() { # two of the frames to learn from choose the fitted weights and measure 8 bits
-  python3 - "$out/learnt/manifest.json" <<'END'
+choose() { # NAME: two of the frames to learn from choose the fitted weights and measure 8 bits
+  python3 - "$out/$1/manifest.json" <<'END'
 import json, sys
 manifest = json.load(open(sys.argv[1]))
 for frame in manifest["frames"]:
@@ -33,25 +33,36 @@ for frame in manifest["frames"]:
 json.dump(manifest, open(sys.argv[1], "w"), indent=1)
 END
 }
-once learnt shot learnt 160 96 64 0 2 3 5 6 8 9 11
-once chosen choose
 once small shot small 160 96 2048 1 4 7 10
 once large shot large 480 288 1024 1 7
+once learnt_small shot learnt_small 160 96 64 0 2 3 5 6 8 9 11
+once learnt_large shot learnt_large 480 288 8 0 3 5 9 11
 
-names=(common_fast common_fine) models=()
-for name in "${names[@]}"; do
-  once "$name.fitted" "$bin/ld_train" --config configs/adapt.yaml init="$name" data.path="$out/learnt" run.minutes="${MINUTES:-5}" --threads "$threads" \
-    --out "$out/$name.fit"
-  once "$name.fitted.f16" "$bin/ld_export" --model "$out/$name.fit" --format safetensors --allowed 1 --out "$out/${name}_fitted.safetensors"
-  [ -e "$out/$name.safetensors" ] || cp "models/pretrained/$name.safetensors" "$out/"
-  for weights in "$name" "${name}_fitted"; do
-    once "$weights.i8" "$bin/ld_export" --model "$out/$weights.safetensors" --format safetensors --dtype i8 --calibrate "$out/learnt" --allowed 1 \
-      --out "$out/${weights}_i8.safetensors"
-    models+=(--model "$weights=$out/$weights.safetensors" --model "${weights}_i8=$out/${weights}_i8.safetensors")
+names=(common_fast common_fine)
+for size in small large; do
+  once "$size.chosen" choose "learnt_$size"
+  mkdir -p "$out/$size.models"
+  for name in "${names[@]}"; do
+    # From 2 samples to all but one go in, so that what comes out is good for any number.
+    once "$size.$name.fitted" "$bin/ld_train" --config configs/adapt.yaml init="$name" data.path="$out/learnt_$size" 'data.samples=[2,31]' \
+      run.minutes="${MINUTES:-5}" --threads "$threads" --out "$out/$size.$name.fit"
+    once "$size.$name.fitted.f16" "$bin/ld_export" --model "$out/$size.$name.fit" --format safetensors --allowed 1 \
+      --out "$out/$size.models/${name}_fitted.safetensors"
+    cp "models/pretrained/$name.safetensors" "$out/$size.models/"
+    for weights in "$name" "${name}_fitted"; do
+      once "$size.$weights.i8" "$bin/ld_export" --model "$out/$size.models/$weights.safetensors" --format safetensors --dtype i8 --allowed 1 \
+        --calibrate "$out/learnt_$size" --out "$out/$size.models/${weights}_i8.safetensors"
+    done
   done
 done
 
 for size in small large; do
+  models=()
+  for name in "${names[@]}"; do
+    for weights in "$name" "${name}_i8" "${name}_fitted" "${name}_fitted_i8"; do
+      models+=(--model "$weights=$out/$size.models/$weights.safetensors")
+    done
+  done
   for samples in 2 8 32; do
     others=()
     for quality in fast balanced high; do
