@@ -35,6 +35,9 @@ def command_of(block, folder, declarations):
                         if not (ROOT / "scripts/peers" / f"{name}.py").exists())
         python = python_with(modules)
         source.write_text(block.text)
+        missing = [path for path in re.findall(r'read_\w+\("([^"]+)"\)', block.text) if not (folder / path).exists()]
+        if missing:
+            return "", f"needs {missing[0]}, which a command above makes"
         return (f"{python} {source.name}", "") if python else ("", f"no Python here has all of {', '.join(modules)} (PyPI)")
     includes = "".join(line + "\n" for line in block.text.splitlines() if line.startswith("#include"))
     rest = "".join(line + "\n" for line in block.text.splitlines() if not line.startswith("#include"))
