@@ -27,9 +27,10 @@ constexpr Network kNetworks[] = {
     {"layer3", "three layers of samples", "layer", 3, false, true, true, 1},
 };
 
-/// Widths and depth. The two larger ones are those of the released networks.
+/// Widths, depth and the kernels' taps a side. The two larger ones are those of the released networks.
 struct Size {
   const char* key;
+  std::vector<int64_t> kernels;
   std::vector<int64_t> reducer, partitioner, generator;
   std::vector<std::vector<int64_t>> encoder;
   std::vector<int64_t> bottleneck;
@@ -40,6 +41,7 @@ struct Size {
 const std::vector<Size>& sizes() {
   static const std::vector<Size> kSizes = {
       {"fast",
+       {9, 5, 13},
        {16, 16, 16},
        {16, 16},
        {32, 32},
@@ -48,8 +50,9 @@ const std::vector<Size>& sizes() {
        {{48, 48}, {32, 32}, {32, 32}},
        32,
        1},
-      {"small", {8, 8}, {8}, {16}, {{8, 8}, {16}}, {24}, {{16, 16}, {16}}, 16, 1},
+      {"small", {9, 5}, {8, 8}, {8}, {16}, {{8, 8}, {16}}, {24}, {{16, 16}, {16}}, 16, 1},
       {"fine",
+       {9},
        {24, 24, 24},
        {24, 16},
        {48, 48},
@@ -58,12 +61,10 @@ const std::vector<Size>& sizes() {
        {{96, 96}, {64, 64}, {48, 48}},
        48,
        0.75},
+      {"tiny", {5}, {6}, {6}, {8}, {{6}, {8}}, {12}, {{8}, {8}}, 8, 1},
   };
   return kSizes;
 }
-
-/// Taps a side; the first belongs to every size, the others to the middle one.
-constexpr int64_t kKernels[] = {9, 5, 13};
 
 Candidate make(const TrainConfig& base, const DataSurvey& survey, const Network& network, const Size& size,
                int64_t kernel) {
@@ -101,9 +102,9 @@ std::vector<Candidate> candidate_space(const TrainConfig& base, const DataSurvey
       if (survey.samples > 1 || !network.needs_many)
         space.push_back(make(base, survey, network, size, kernel));
   };
-  for (const Size& size : sizes()) add_all(size, kKernels[0]);
-  for (const int64_t kernel : kKernels)
-    if (kernel != kKernels[0]) add_all(sizes()[0], kernel);
+  for (const Size& size : sizes()) add_all(size, size.kernels.front());
+  for (const Size& size : sizes())
+    for (size_t k = 1; k < size.kernels.size(); ++k) add_all(size, size.kernels[k]);
   return space;
 }
 
