@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Whether ld_tune finds what a scene requires (docs/tuning.md), on three data sets of 56 frames: without defocus and motion, with all of it, and views of
 # one glTF model. Each by scripts/tuning_study.sh; then what was found for the one model beside the released networks, on views that nobody saw.
-#   scripts/tuning_proof.sh [OUT [MINUTES]]     (default: out/tuning_proof, 4 minutes of searching and 12 of the exhaustive search each)
-# What is finished is kept. Needs Debian's assimp-testmodels and the programs in build/bin/. Environment: BIN, THREADS (default: all), SHARE (of common_fine's time that a
-# frame may take on the first two, default 0.25; on the third it is a tenth).
+#   scripts/tuning_proof.sh [OUT [MINUTES]]     (default: out/tuning_proof, 10 minutes of searching and 30 of the exhaustive search each)
+# What is finished is kept. Needs Debian's assimp-testmodels and the programs in build/bin/. Environment: BIN, THREADS (default: all), SHARE (of
+# common_fine's time that a frame may take on the first two, default 1), PART (on the third, default 0.2).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-out=${1:-out/tuning_proof} minutes=${2:-4} bin=${BIN:-build/bin}
+out=${1:-out/tuning_proof} minutes=${2:-10} bin=${BIN:-build/bin}
 general=(--model common_fine=models/pretrained/common_fine.safetensors --model common_fast=models/pretrained/common_fast.safetensors)
 mkdir -p "$out"
 
@@ -22,7 +22,7 @@ for name in plain all gltf; do
   [ -e "$out/$name/validation.json" ] || tradeoff "$name" validation "${general[@]}"
   budget=$(python3 -c 'import json, sys
 [ms] = [p["ms"] for p in json.load(open(sys.argv[1]))["points"] if p["name"] == "common_fine"]
-print(round(ms * float(sys.argv[2]), 1))' "$out/$name/validation.json" "$([ "$name" = gltf ] && echo 0.1 || echo "${SHARE:-0.25}")")
+print(round(ms * float(sys.argv[2]), 1))' "$out/$name/validation.json" "$([ "$name" = gltf ] && echo "${PART:-0.2}" || echo "${SHARE:-1}")")
   [ -e "$out/$name/found" ] || {
     scripts/tuning_study.sh "$out/$name/data" "$out/$name/study" "$minutes" "$budget" 128x128 > "$out/$name/study.log" 2>&1 || { tail -n 5 "$out/$name/study.log" >&2; exit 1; }
     echo "$name, within $budget ms: $(tail -n 1 "$out/$name/study.log")" > "$out/$name/found"
