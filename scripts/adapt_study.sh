@@ -34,7 +34,7 @@ make_cycles() {
   for frame in $train_frames $test_frames; do
     name=frame_$(printf %04d "$frame") folder=$renders/$(printf %04d "$frame")
     where=(--frame "$out/cycles/$name.exr")
-    [ ! -e "$folder/reference.exr" ] || where=(--reference "$folder/reference.exr" --out "$out/cycles_test" --name "$name" --split train
+    [[ " $test_frames " != *" $frame "* ]] || where=(--reference "$folder/reference.exr" --out "$out/cycles_test" --name "$name" --split train
       --sequence 0 --position "$frame")
     "$bin/ld_import" --preset cycles "${set[@]}" --camera "$folder/camera.yaml" "${where[@]}" \
       "$folder"/sample_*.exr > "$out/import.log" 2>&1 || { cat "$out/import.log" >&2; exit 1; }
@@ -65,7 +65,7 @@ for shot in $shots; do
     [ -e "$out/oidn_$shot" ] || "$python" scripts/peers/oidn_denoise.py --data "$out/${shot}_test" --split train --samples 8 --out "$out/oidn_$shot" >&2
     others=(--images oidn="$out/oidn_$shot")
   fi
-  "$bin/ld_eval" --data "${out}/${shot}_test" --split train --model released="models/pretrained/$init.safetensors" --model adapted="$out/$run/$shot" "${others[@]}" \
+  "$bin/ld_eval" --data "$out/${shot}_test" --split train --model released="models/pretrained/$init.safetensors" --model adapted="$out/$run/$shot" "${others[@]}" \
     --baseline released --report-frames 4 --out "$out/$run/eval_$shot" > "$out/$run/eval_$shot.txt"
 done
 python3 - "$out" "$run" $shots <<'END' | tee "$out/$run/table.md"

@@ -2,7 +2,7 @@
 # Whether ld_tune finds what an exhaustive search over the same grid finds, at a third of its time:
 #   scripts/tuning_study.sh DATA OUT MINUTES BUDGET_MS WIDTHxHEIGHT [key.sub=value ...]
 # ld_tune searches for MINUTES. Then each candidate that it admitted trains by itself for an equal share of
-# 3 MINUTES, with all features, and the errors on the validation split are compared.
+# 3 MINUTES, with all features, and the errors on the validation split are compared. Environment: BIN, THREADS (default: all).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# -ge 5 ] || { sed -n '2,5s/^# //p' "$0" >&2; exit 2; }

@@ -4,10 +4,12 @@
     out/peers/venv/bin/python scripts/peers/cycles_test_set.py --out out/cycles_test
     out/peers/venv/bin/python scripts/peers/cycles_test_set.py --out out/cycles_training --random 0:100 --size 128
 
-The second one makes frames to train on, of other scenes, by chance. Each frame is rendered by a process of its own: single samples, then two halves of the reference. What is there is kept.
+The second one makes frames to train on, of other scenes, by chance. Each frame is rendered by a process of its own: single samples, then two
+halves of the reference. What is there is kept.
 """
 import argparse
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -47,8 +49,8 @@ def parse():
 
 def names_of(options):
     if options.random:
-        first, end = options.random.split(":")
-        return [f"random_{number:04}" for number in range(int(first), int(end))]
+        numbers = re.fullmatch(r"(\d+):(\d+)", options.random) or dataset.stop(f"--random: expected FIRST:END, such as 0:100, found '{options.random}'")
+        return [f"random_{number:04}" for number in range(int(numbers[1]), int(numbers[2]))]
     return [f"{scene}_{view}" for view in range(VIEWS) for scene in SCENES if f"{scene}_{view}".startswith(options.only)]
 
 

@@ -193,9 +193,10 @@ void Trainer::validate() {
   if (!group_.is_root()) return;
   std::string text;
   // Beside single samples every picture is bad: what counts is what judge() says.
-  if (validation_.has_sample_targets()) text = " against noisy samples that it does not see";
-  for (const Metric& metric : metrics())
-    if (!validation_.has_sample_targets())
+  if (validation_.has_sample_targets())
+    text = " against noisy samples that it does not see";
+  else
+    for (const Metric& metric : metrics())
       text += fmt::format(", {} {:.{}f}", metric.title, row_.at(metric.name), metric.digits);
   if (const Metric& steady = sequence_measures().front(); row_.count(steady.name) > 0)
     text += fmt::format(", {} {:.{}f}", steady.title, row_.at(steady.name), steady.digits);

@@ -102,7 +102,12 @@ TEST(Adapting, HandsOutTheBeginningWhereNothingIsGained) {
   TrainConfig config = adapting(folder / "shot", 200);
   config.optimizer.learning_rate = 0;
   Trainer trainer(config, folder / "run");
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
   trainer.train();
+  const std::string said = testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout();
+  EXPECT_NE(said.find("against noisy samples that it does not see"), std::string::npos) << said;
+  EXPECT_EQ(said.find("PSNR"), std::string::npos) << "beside noisy samples it says nothing of the picture";
   EXPECT_EQ(trainer.state().step, 200);
   EXPECT_EQ(trainer.state().best_step, 0);
   EXPECT_NE(trainer.verdict().find("weights of the beginning stay the best"), std::string::npos)

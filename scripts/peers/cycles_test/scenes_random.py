@@ -107,11 +107,11 @@ def build(number):
     place = (away * math.cos(angle), away * math.sin(angle), rng.uniform(0.6, 3.2))
     surroundings(math.exp(rng.uniform(-1.5, 0.4)), rng.choice((None, *PROBES)), rng.uniform(0, 6), colour(rng, 0.3))
     floor(matter(rng, True), 9 if indoors else 60)
-    if indoors:  # a room with three or four walls; the camera is inside
+    if indoors:  # a room with two to four walls; the camera is inside
         paint = matter(rng, True)
         for side in range(rng.randrange(2, 5)):
-            angle = side * math.pi / 2
-            wall(paint if rng.random() < 0.6 else matter(rng, True), (4.5 * math.sin(angle), 4.5 * math.cos(angle), 0), 9, 5, -angle)
+            turn = side * math.pi / 2
+            wall(paint if rng.random() < 0.6 else matter(rng, True), (4.5 * math.sin(turn), 4.5 * math.cos(turn), 0), 9, 5, -turn)
         if rng.random() < 0.7:
             floor(matter(rng, True), 9, 5.0)
     elif rng.random() < 0.5:
