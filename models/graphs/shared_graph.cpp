@@ -118,7 +118,9 @@ ValueId add_rejection(Graph& graph, const NetworkConfig& config, ValueId log_n, 
 
 graph::Splat make_splat(const NetworkConfig& config, bool joint, int level) {
   int64_t outputs = config.kernel_size * config.kernel_size;
-  if (level == 0 && network_traits(config.name).has_levels) outputs += config.levels;  // lambda_i
+  const NetworkTraits& network = network_traits(config.name);
+  if (level == 0 && network.has_levels && network.sources == Sources::layers)
+    outputs += config.levels;  // lambda_i
   graph::Splat splat = {
       {"kernel_generator", with_last(config.kernel_generator, outputs), false, config.logit_bound},
       config.kernel_size,

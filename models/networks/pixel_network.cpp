@@ -15,7 +15,9 @@ PixelNetwork::Pixels PixelNetwork::make_pixels(const NetworkInput& input) const 
   Pixels pixels;
   const Tensor statistics = sample_statistics(input.features, input.valid);
   const Tensor embedding = sample_reducer_->forward(statistics).squeeze(1);
-  pixels.context = unet_->forward(embedding);
+  pixels.features =
+      unet_->features(embedding, network_traits(config().name).has_levels ? config().levels : 1);
+  pixels.context = pixels.features[0];
   pixels.embedding = embedding.unsqueeze(1);
   pixels.radiance = masked_mean(input.radiance, input.valid);
   const Tensor drawn = input.valid.ne(0).any(1);

@@ -17,6 +17,7 @@ class PixelNetwork : public ContextNetwork {
     torch::Tensor radiance;   // the mean of its samples, in all forms that are filtered [B, C, H, W]
     torch::Tensor embedding;  // [B, 1, E, H, W]
     torch::Tensor context;    // C_xy [B, C, H, W]
+    std::vector<torch::Tensor> features;  // the context, and what the U-net knows at each coarser level
   };
 
  private:

@@ -23,7 +23,7 @@ import denoise_onnx  # noqa: E402
 
 ALLOWED = 1e-4
 CONFIGS = ["quick", "quick_layer_weighted", "quick_optimized", "quick_pixel_blend", "quick_pixel_gather",
-           "quick_pixel_splat", "quick_sample_splat", "quick_layer_history", "quick_recurrent"]
+           "quick_pixel_pyramid", "quick_pixel_splat", "quick_sample_splat", "quick_layer_history", "quick_recurrent"]
 TYPES = {"F32": np.float32}
 
 

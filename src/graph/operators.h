@@ -93,7 +93,7 @@ struct Received {
 
 /// logits [1, L], then of each level its picture [1, C] and what it received [1, 1], both scaled up -> [1,
 /// C]: a softmax over the levels that have something to say ([MH20] eq. 10;
-/// models/networks/optimized_network.h).
+/// models/level_blend.h).
 struct BlendLevels {};
 
 /// [1, C] -> [1, 4 C] at the next level, and back again, rows and columns that an odd side lacks repeated and

@@ -21,6 +21,8 @@ constexpr int64_t kNoLayers = 2;  // NetworkConfig's own, which networks without
 constexpr Network kNetworks[] = {
     {"layer2", "two layers of samples", "layer", 2, false, true, true, 1},
     {"pixel", "mean and variance of a pixel's samples", "pixel_splat", kNoLayers, false, true, true, 0.5},
+    {"pyramid", "mean and variance of pixels, at three resolutions", "pixel_pyramid", kNoLayers, false, true,
+     true, 0.5},
     {"means", "the mean of a pixel's samples", "pixel_gather", kNoLayers, true, false, false, 1},
     {"layer1", "one layer of samples", "layer", 1, false, true, true, 1},
     {"sample", "each sample by itself", "sample_splat", kNoLayers, false, true, true, 1},

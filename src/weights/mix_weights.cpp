@@ -14,10 +14,11 @@ namespace {
 
 /// The one parameter whose columns are the features.
 constexpr const char* kFirstLayer = "sample_reducer.0.weight";
-/// Parameters that weights may lack: as they begin, they change nothing of a frame (models/rejection.h,
-/// models/history.h).
+/// Parameters that weights may lack: as they begin, they change little or nothing of a frame
+/// (models/rejection.h, models/history.h, PixelPyramidNetwork::begin_sharp()).
 bool may_be_missing(const std::string& parameter) {
-  return parameter.rfind("rejection.", 0) == 0 || parameter.rfind("history.", 0) == 0;
+  const std::string module = parameter.substr(0, parameter.find('.'));
+  return module == "rejection" || module == "history" || module == "levels";
 }
 
 /// First channel of each feature among the network's inputs.

@@ -32,7 +32,7 @@ std::vector<NetworkConfig> exported_configs() {
     config.unet.upsampling = "nearest";
     config.exposure_normalisation = may_be_exposed(config);
     if (has_layers(config)) config.layers = 3;
-    if (config.name == "optimized") config.levels = 2;
+    if (network_traits(config.name).has_levels) config.levels = 2;
     config.sample_partitioner = {};
     configs.push_back(config);
     config.kernel_size = 1;

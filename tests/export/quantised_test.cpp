@@ -51,8 +51,8 @@ Image run(const NetworkWeights& network, const Frame& frame, const ExecutionOpti
       .run(frame)[0];
 }
 
-const std::vector<std::string> kNetworks = {"layer", "optimized", "pixel_splat", "pixel_gather",
-                                            "sample_splat"};
+const std::vector<std::string> kNetworks = {"layer",         "optimized",    "pixel_splat",
+                                            "pixel_pyramid", "pixel_gather", "sample_splat"};
 
 TEST(QuantisedWeight, EachOutputIsOffByHalfALevelAtMost) {
   NamedWeight weight = {{5, 2, 1}, {1.0F, -0.3F, 65504.0F, 1.0F, 0.0F, 0.0F, 1e-38F, 1e-40F, -1e-6F, 3e-7F}};

@@ -81,5 +81,18 @@ TEST(Initialise, OptimizedBeginsWithItsFullResolution) {
   EXPECT_FLOAT_EQ(bias[11].item<float>(), 0);
 }
 
+TEST(Initialise, PixelPyramidBeginsNearItsFullResolution) {
+  NetworkConfig config = small_config();
+  config.name = "pixel_pyramid";
+  config.initial_kernel = 1;
+  const auto network = make_network(config);
+  initialise(*network, 1);
+  const auto parameters = network->named_parameters();
+  EXPECT_TRUE(parameters["levels.logits.0.weight"].eq(0).all().item<bool>());
+  const Tensor bias = parameters["levels.logits.0.bias"];
+  EXPECT_FLOAT_EQ(bias[0].item<float>(), 3);
+  EXPECT_TRUE(bias.narrow(0, 1, bias.size(0) - 1).eq(0).all().item<bool>());
+}
+
 }  // namespace
 }  // namespace ld

@@ -59,7 +59,7 @@ TEST(Networks, AConstantStaysForLogitsOfAnySizeAndOneToEightLayers) {
 /// How far a sample can send its radiance.
 int64_t reach(const NetworkConfig& config) {
   const int64_t radius = config.kernel_size / 2;
-  if (config.name != "optimized") return radius;
+  if (!network_traits(config.name).has_levels) return radius;
   const int64_t coarsest = int64_t(1) << (config.levels - 1);
   return coarsest * (radius + 2);  // a coarse pixel's own width, and one more for bilinear upscaling
 }

@@ -169,13 +169,13 @@ Grid reached(const Grid& pixels, int64_t kernel_size) {
   return out;
 }
 
-Filtered optimized(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
-  const FirstHalf half = first_half(samples, parameters, layout);
-  const Layers layers = make_layers(samples, half, parameters, layout);
+/// Eq. 10. Of each level the weights of its generator, and what is filtered by its kernels; the logits of
+/// lambda follow `first` others of layer 0.
+Grid blended_levels(const Samples& samples, const Layers& layers, const std::vector<Grid>& context,
+                    const Parameters& parameters, const NetworkLayout& layout,
+                    const std::vector<std::string>& generators, const Grid& lambda_logits, int64_t first) {
   const int64_t taps = layout.kernel_size * layout.kernel_size, h = samples.valid.h, w = samples.valid.w;
-
-  Grid sum(samples.valid.b, 1, samples.radiance.c, h, w), lambda_sum(samples.valid.b, 1, 1, h, w),
-      lambda_logits;
+  Grid sum(samples.valid.b, 1, layers.radiance.c, h, w), lambda_sum(samples.valid.b, 1, 1, h, w);
   for (int64_t level = 0; level < layout.levels; ++level) {
     const Grid pixels = block_sum(drawn(samples.valid), level);
     Layers coarse = {block_sum(layers.weight, level), block_sum(layers.occupancy, level),
@@ -184,14 +184,13 @@ Filtered optimized(const Samples& samples, const Parameters& parameters, const N
       for (int64_t c = 0; c < coarse.embedding.c; ++c)
         coarse.embedding(b, l, c, y, x) /= std::max(pixels(b, 0, 0, y, x), 1.0);
     });
-    const Grid outputs = bounded(fully_connected(coarse.embedding, half.context[size_t(level)], parameters,
-                                                 "kernel_generator" + std::to_string(level) + ".", false),
+    const Grid outputs = bounded(fully_connected(coarse.embedding, context[size_t(level)], parameters,
+                                                 generators[size_t(level)], false),
                                  layout);
     Grid kernels(outputs.b, outputs.s, taps, outputs.h, outputs.w);
     each(kernels, [&](int64_t b, int64_t l, int64_t y, int64_t x) {
       for (int64_t t = 0; t < taps; ++t) kernels(b, l, t, y, x) = outputs(b, l, t, y, x);
     });
-    if (level == 0) lambda_logits = outputs;  // those of layer 0 after the taps
     const int64_t scale = int64_t(1) << level;
     const Grid global =
         resize(upsample(filter_layers(kernels, coarse, layout.weighted), scale, layout.unet.bilinear), h, w);
@@ -199,12 +198,42 @@ Filtered optimized(const Samples& samples, const Parameters& parameters, const N
         resize(upsample(reached(pixels, layout.kernel_size), scale, layout.unet.bilinear), h, w);
     // The mean of what arrived, times lambda: a level counts by how much of it arrived.
     each(sum, [&](int64_t b, int64_t, int64_t y, int64_t x) {
-      const double lambda = std::exp(lambda_logits(b, 0, taps + level, y, x));
+      const double lambda = std::exp(lambda_logits(b, 0, first + level, y, x));
       for (int64_t c = 0; c < sum.c; ++c) sum(b, 0, c, y, x) += lambda * global(b, 0, c, y, x);
       lambda_sum(b, 0, 0, y, x) += lambda * coverage(b, 0, 0, y, x);
     });
   }
-  return {divide(sum, lambda_sum), half.context[0]};
+  return divide(sum, lambda_sum);
+}
+
+Filtered optimized(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+  const FirstHalf half = first_half(samples, parameters, layout);
+  const Layers layers = make_layers(samples, half, parameters, layout);
+  std::vector<std::string> generators;
+  for (int64_t level = 0; level < layout.levels; ++level)
+    generators.push_back("kernel_generator" + std::to_string(level) + ".");
+  const Grid outputs =
+      bounded(fully_connected(layers.embedding, half.context[0], parameters, generators[0], false), layout);
+  return {blended_levels(samples, layers, half.context, parameters, layout, generators, outputs,
+                         layout.kernel_size * layout.kernel_size),
+          half.context[0]};
+}
+
+/// The pixels as one layer of several resolutions.
+Filtered pixel_pyramid(const Samples& samples, const Parameters& parameters, const NetworkLayout& layout) {
+  const FirstHalf half = first_half_of_pixels(samples, parameters, layout);
+  const Grid &embedding = half.embedding, &context = half.context[0];
+  const Grid sent = scaled(drawn(samples.valid), kept(embedding, context, parameters, layout));
+  const Layers layer = {sent, sent, scaled(masked_mean(samples.radiance, samples.valid), sent),
+                        scaled(embedding, drawn(samples.valid))};  // as layers without samples have zeros
+  std::vector<std::string> generators = {"kernel_generator."};
+  for (int64_t level = 1; level < layout.levels; ++level)
+    generators.push_back("levels.kernel_generator" + std::to_string(level) + ".");
+  const Grid logits = fully_connected(embedding, context, parameters, "levels.logits.", false);
+  NetworkLayout of_one_layer = layout;
+  of_one_layer.weighted = true;
+  return {blended_levels(samples, layer, half.context, parameters, of_one_layer, generators, logits, 0),
+          context};
 }
 
 }  // namespace
@@ -235,6 +264,7 @@ Filtered filtered(const std::string& name, const Samples& samples, const Paramet
   if (name == "pixel_gather") return pixel(samples, parameters, layout, true);
   if (name == "pixel_splat") return pixel(samples, parameters, layout, false);
   if (name == "optimized") return optimized(samples, parameters, layout);
+  if (name == "pixel_pyramid") return pixel_pyramid(samples, parameters, layout);
   throw std::invalid_argument("no scalar reference of the network " + name);
 }
 

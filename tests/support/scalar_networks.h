@@ -9,7 +9,7 @@ namespace ld::reference {
 struct NetworkLayout {
   UNetLayout unet;
   bool weighted = false;  // compositing by eq. 6 instead of eq. 5
-  int64_t levels = 3;     // of the optimized network
+  int64_t levels = 3;     // of networks with several
   int64_t kernel_size = 0;
   double logit_bound = 0;              // c of c x / (c + |x|); 0: none
   int64_t albedo = -1, specular = -1;  // first channels, for demodulation; -1: not there

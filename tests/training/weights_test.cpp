@@ -18,7 +18,7 @@ NetworkConfig tiny_network(const std::string& name, const std::vector<std::strin
   auto config = config_from_tree<TrainConfig>(parse_config(tiny_network_yaml(), "tiny")).network;
   config.name = name;
   config.features = features;
-  if (name == "optimized") config.levels = 2;
+  if (network_traits(name).has_levels) config.levels = 2;
   return config;
 }
 
@@ -118,6 +118,25 @@ TEST_P(FineTuning, OntoFewerFeaturesIsTheirBeingZero) {
   const std::shared_ptr<Network> widened = random_network(tiny_network(GetParam(), all), 3);
   begin_with_weights(folder / "narrow.safetensors", *widened);
   EXPECT_TRUE(torch::allclose(widened->forward(whole), narrow->forward(picked), 1e-5, 1e-6));
+}
+
+// The full resolution has e^3 / (e^3 + 1) of two levels, all weights of which are those of the other.
+TEST(FineTuningPyramid, BeginsNearTheNetworkOfOneResolution) {
+  const TemporaryFolder folder;
+  NetworkConfig config = tiny_network("pixel_splat", {"radiance", "normal"});
+  config.initial_kernel = 1;
+  const std::shared_ptr<Network> flat = random_network(config, 1);
+  save_network(folder / "flat.safetensors", *flat, "", DType::f32);
+  config.name = "pixel_pyramid";
+  config.levels = 2;
+  const std::shared_ptr<Network> pyramid = random_network(config, 2);
+  begin_with_weights(folder / "flat.safetensors", *pyramid);
+  const NetworkInput input = random_input(channel_count(config.features));
+  const torch::NoGradGuard no_graph;
+  const double share = std::exp(3.0) / (std::exp(3.0) + 1), largest = input.radiance.max().item<double>();
+  const torch::Tensor difference = (pyramid->forward(input) - flat->forward(input)).abs();
+  EXPECT_LE(difference.max().item<double>(), (1 - share) * largest);
+  EXPECT_GT(difference.max().item<double>(), 0);
 }
 
 // What is between two networks, and what only one of them has.

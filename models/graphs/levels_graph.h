@@ -1,0 +1,22 @@
+// What the graphs of networks with several resolutions share ([MH20] section 6).
+#pragma once
+
+#include <functional>
+
+#include "models/graphs/layered_graph.h"
+
+namespace ld {
+
+/// models/networks/layer_pyramid.h. Pixels without layers are one.
+struct GraphLevel {
+  GraphLayers layers;
+  graph::ValueId pixels;
+};
+
+/// The levels below `finest`, each filtered by `filtered(level, its number)`, and all of them blended by
+/// logits [1, levels] (models/level_blend.h).
+graph::ValueId add_blended_levels(graph::Graph& graph, const NetworkConfig& config, graph::ValueId logits,
+                                  GraphLevel finest,
+                                  const std::function<graph::ValueId(const GraphLevel&, size_t)>& filtered);
+
+}  // namespace ld
