@@ -6,7 +6,7 @@
 # DATA is a data set (data/recipes/release.yaml, rendered so far as there was time for; of sequences for history_SIZE:
 # data/recipes/sequence_small.yaml), MINUTES the length of one cycle (default 60).
 # Each network (configs/NAME.yaml) in turn is trained for one cycle of the learning rate, from where the last cycle ended: from
-# out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone; the first cycle of samples_SIZE and history_SIZE from
+# out/release/NAME/, from models/pretrained/NAME.safetensors if that is gone; the first cycle of samples_SIZE, history_SIZE and pyramid_SIZE from
 # the released common_SIZE, whose features they have and others beside, which begin without effect; else from random weights. A cycle
 # that was interrupted goes on bit for bit when the script is started again. After a cycle whose validation beats the released weights' (where
 # there are none yet, those of common_SIZE) on the same frames, those are replaced, with their card. Environment:
