@@ -7,7 +7,7 @@ from xml.sax.saxutils import escape
 
 SIZES, SAMPLES = ("small", "large"), (2, 8, 32)
 WIDTH, HEIGHT, LEFT, TOP, GAP = 300, 190, 60, 46, 56
-COLOURS = (("oidn", "#d1495b"), ("common_fine", "#1b6ca8"), ("common_fast", "#2a9d6f"), ("svgf", "#8a6d3b"), ("eaw", "#b59a5b"))
+COLOURS = (("oidn", "#d1495b"), ("common_fine", "#1b6ca8"), ("pyramid_fine", "#6a4c93"), ("common_fast", "#2a9d6f"), ("svgf", "#8a6d3b"), ("eaw", "#b59a5b"))
 
 
 def colour(name):
@@ -63,7 +63,7 @@ def picture(tables):
         for column, (samples, table) in enumerate(panels):
             lines += panel(table, LEFT + column * (WIDTH + GAP), TOP + row * (HEIGHT + GAP), f'{table["width"]}x{table["height"]}, {samples} spp')
     x, y = LEFT, height - 12
-    for name, text in (("oidn", "Open Image Denoise, 3 qualities"), ("common_fine", "common_fine"), ("common_fast", "common_fast"),
+    for name, text in (("oidn", "Open Image Denoise, 3 qualities"), ("common_fine", "common_fine"), ("pyramid_fine", "pyramid_fine"), ("common_fast", "common_fast"),
                        ("common_fine_fitted", "fitted to the shot"), ("common_fine_i8", "in 8 bits"), ("svgf", "SVGF")):
         lines += [mark(name, x + 6, y - 4), f'<text x="{x + 16}" y="{y}">{text}</text>']
         x += 40 + 7 * len(text)

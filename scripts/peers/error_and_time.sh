@@ -2,7 +2,7 @@
 # Error against time on one shot that nobody was trained on: the released networks in floats and in 8 bits, as they are and fitted to the shot for
 # MINUTES without references (docs/training.md), the filters, and Open Image Denoise's three qualities; two sizes, 2, 8 and 32 samples a pixel.
 #   scripts/peers/error_and_time.sh [OUT]     (default: out/error_and_time; docs/tradeoff.md is what it leaves)
-# Renders 12 frames of 160x96, of which 4 are compared and 8 learnt from, and 7 of 480x288 (2 and 5). What is finished is kept, so it may be stopped and
+# Renders 12 frames of 160x96, of which 4 are compared and 8 learnt from, and 8 of 480x288 (2 and 6). What is finished is kept, so it may be stopped and
 # started again. Needs scripts/peers/setup.sh and the programs in build/bin/. Environment: MINUTES (default 5), THREADS (default: all), BIN.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -36,9 +36,9 @@ END
 once small shot small 160 96 2048 1 4 7 10
 once large shot large 480 288 1024 1 7
 once learnt_small shot learnt_small 160 96 64 0 2 3 5 6 8 9 11
-once learnt_large shot learnt_large 480 288 8 0 3 5 9 11
+once learnt_large shot learnt_large 480 288 8 0 2 3 5 9 11
 
-names=(common_fast common_fine)
+names=(common_fast common_fine pyramid_fine)
 for size in small large; do
   once "$size.chosen" choose "learnt_$size"
   mkdir -p "$out/$size.models"
