@@ -82,7 +82,8 @@ void check_use(const NetworkConfig& config) {
                config.name);
   if (!network.has_levels && config.levels != unset.levels)
     fail_usage(
-        "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized' or 'pixel_pyramid'",
+        "network.levels is {}, but network '{}' works at one resolution; leave it out or use 'optimized' or "
+        "'pixel_pyramid'",
         config.levels, config.name);
   if (!network.remembers && config.history != unset.history)
     fail_usage("network.history is given, but network '{}' keeps nothing from frame to frame; leave it out",

@@ -71,8 +71,9 @@ struct NetworkConfig {
   std::vector<std::string> optional;
   int64_t layers = 2;                 // how many, in networks that have layers
   std::string compositing = "alpha";  // of the layers: front to back, or weighted ([MH20] section 3.1)
-  int64_t levels = 3;        // resolutions of "optimized" and "pixel_pyramid": full, 1/2, 1/4, ... ([MH20] section 6)
-  int64_t kernel_size = 17;  // taps a side; an odd number
+  /// Resolutions of "optimized" and "pixel_pyramid": full, 1/2, 1/4, ... ([MH20] section 6).
+  int64_t levels = 3;
+  int64_t kernel_size = 17;                            // taps a side; an odd number
   std::vector<int64_t> sample_reducer = {32, 32, 32};  // outputs of its layers; the last is the embedding
   std::vector<int64_t> sample_partitioner = {32, 16};  // outputs of its hidden layers; the last has `layers`
   std::vector<int64_t> kernel_generator = {

@@ -29,17 +29,17 @@ def row(name: str, mean: dict) -> str:
 
 def write(card: pathlib.Path, name: str, data: str, scores: pathlib.Path, spent: float) -> None:
     document = json.loads(scores.read_text(encoding="utf-8"))
-    frames = json.loads(pathlib.Path(data, "manifest.json").read_text(encoding="utf-8"))["frames"]
-    train = sum(frame["split"] == "train" for frame in frames)
+    manifest = json.loads(pathlib.Path(data, "manifest.json").read_text(encoding="utf-8"))
+    train = sum(frame["split"] == "train" for frame in manifest["frames"])
     # Their first cycle begins so (scripts/train_release.sh), and its hours are not among theirs.
     family, size = name.split("_") if "_" in name else (name, "")
     begun = f", begun with the weights of `common_{size}`" if family in ("samples", "history", "pyramid") else ""
     mixed = f" What is released is the mean of these weights and `common_{size}`'s (`ld_export --mix`)." if family == "history" else ""
     recipe = "sequence_small" if family == "history" else "release"
-    larger = " at 256x192 (`resolution=[256,192] spp=16 reference_spp.train=64`)" if family == "pyramid" else ""
+    resolution = "x".join(re.search(r"resolution: \[(\d+), (\d+)\]", manifest["recipe"]).groups())
     lines = [
         f"`configs/{name}.yaml`{begun}, trained by `scripts/train_release.sh` for {spent:.1f} hours in all (by the clock, on one core that other work shared), at last on {train} frames of",
-        f"`data/recipes/{recipe}.yaml`{larger}; one seed.{mixed} On the {document['frame_count']} validation frames of that recipe, which no step saw but which chose these weights,",
+        f"`data/recipes/{recipe}.yaml` at {resolution}; one seed.{mixed} On the {document['frame_count']} validation frames of that recipe, which no step saw but which chose these weights,",
         f"at {document['samples']} samples a pixel (`ld_eval --split validation --samples {document['samples']}`):",
         "",
         "| | " + " | ".join(title for title, _ in METRICS.values()) + " |",

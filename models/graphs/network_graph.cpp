@@ -11,8 +11,8 @@ graph::Graph network_graph(const NetworkConfig& config, const graph::LightParts&
   if (config.name == "layer") return layer_graph(config, parts);
   if (config.name == "layer_history") return layer_history_graph(config, parts);
   if (config.name == "optimized") return optimized_graph(config, parts);
-  if (network_traits(config.name).sources == Sources::pixels &&
-      network_traits(config.name).filter != Filter::none)
+  if (config.name == "pixel_blend" || config.name == "pixel_gather" || config.name == "pixel_pyramid" ||
+      config.name == "pixel_splat")
     return pixel_graph(config, parts);
   if (config.name == "recurrent") return recurrent_graph(config, parts);
   if (config.name == "sample_splat") return sample_splat_graph(config, parts);

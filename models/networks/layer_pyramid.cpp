@@ -35,15 +35,14 @@ PyramidLevel halve(const PyramidLevel& fine) {
       (at::logsumexp(counted, 1, /*keepdim=*/true) - std::log(4.0)).masked_fill(empty, -kInfinity);
   coarse.layers.log_n = mean.squeeze(1).squeeze(1).unflatten(0, {batch, count});
 
-  std::vector<Tensor> ratios = {layers.radiance, layers.opacity};
-  if (layers.transmittance.defined()) ratios.push_back(layers.transmittance);
-  const Tensor means = weighted_sum(at::softmax(counted, 1), four_pixels(at::cat(ratios, 2).flatten(0, 1), 0))
+  const Tensor ratios =
+      layers.transmittance.defined() ? at::cat({layers.radiance, layers.transmittance}, 2) : layers.radiance;
+  const Tensor means = weighted_sum(at::softmax(counted, 1), four_pixels(ratios.flatten(0, 1), 0))
                            .squeeze(1)
                            .unflatten(0, {batch, count});
   const int64_t channels = layers.radiance.size(2);
   coarse.layers.radiance = means.narrow(2, 0, channels);
-  coarse.layers.opacity = means.narrow(2, channels, 1);
-  if (layers.transmittance.defined()) coarse.layers.transmittance = means.narrow(2, channels + 1, 1);
+  if (layers.transmittance.defined()) coarse.layers.transmittance = means.narrow(2, channels, 1);
 
   const Tensor pixels = four_pixels(fine.pixels, 0);
   coarse.pixels = pixels.sum(1);

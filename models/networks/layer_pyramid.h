@@ -16,8 +16,8 @@ struct PyramidLevel {
 
 /// The layers at full resolution, 1/2, 1/4, ...; level i has ceil(H / 2^i) x ceil(W / 2^i) pixels. Four
 /// pixels p become one with n = mean of n(p) and, in ratios, L / n = sum_p softmax_p(log n) (L / n)(p), alike
-/// for opacity and transmittance: products with n, which may underflow, are never formed. Pixels that an odd
-/// border lacks count as pixels without samples. Differentiable.
+/// for transmittance; opacity is left out: products with n, which may underflow, are never formed. Pixels
+/// that an odd border lacks count as pixels without samples. Differentiable.
 std::vector<PyramidLevel> layer_pyramid(const Partition& layers, int64_t levels);
 
 }  // namespace ld

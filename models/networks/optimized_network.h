@@ -16,7 +16,7 @@ class OptimizedNetwork : public LayeredNetwork {
  public:
   explicit OptimizedNetwork(const NetworkConfig& config);
 
-  /// lambda_0 = e^3 / (e^3 + levels - 1), whatever the picture.
+  /// lambda_0 = e^3 / (e^3 + levels - 1) where the other numbers of their layer add nothing.
   void begin_sharp() override;
 
  private:

@@ -100,7 +100,6 @@ class PixelPyramidNetwork : public PixelKernelNetwork {
     Partition layer;  // the pixels as the only one
     layer.log_n = pixels.log_n;
     layer.radiance = pixels.radiance.unsqueeze(1);
-    layer.opacity = at::ones_like(pixels.log_n).unsqueeze(2);
     layer.embedding = pixels.embedding;
     const std::vector<PyramidLevel> pyramid = layer_pyramid(layer, config().levels);
     std::vector<Tensor> pictures, received;
