@@ -11,12 +11,12 @@ Samples are float32 arrays [samples, height, width, channels], one for each feat
 normals, depth, albedo and others. `help(ld.Denoiser.denoise)` says what they hold.
 """
 
-from ._denoiser import DenoisedParts, Denoiser, released_weights
+from ._denoiser import DenoisedParts, Denoiser, Skipped, released_weights
 from ._files import Frame, read_frame, read_image, write_image
 from ._native import Cancelled
 from ._native import version as __version__
 
-__all__ = ["Cancelled", "DenoisedParts", "Denoiser", "Frame", "__version__", "read_frame", "read_image", "released_weights", "write_image"]
+__all__ = ["Cancelled", "DenoisedParts", "Denoiser", "Frame", "Skipped", "__version__", "read_frame", "read_image", "released_weights", "write_image"]
 
 Cancelled.__module__ = __name__
 Cancelled.__doc__ = "Raised by Denoiser.denoise() when its progress function asked to stop."

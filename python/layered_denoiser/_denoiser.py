@@ -35,6 +35,18 @@ class DenoisedParts:
     """[height, width]; None where it was not asked for."""
 
 
+@dataclass(frozen=True)
+class Skipped:
+    """What Denoiser.skipped says; shares, 0 to 1."""
+
+    pixels: float
+    """Those whose light is even."""
+    samples: float
+    """Of what networks make of each sample: the samples that are the first of their pixel again."""
+    layers: float
+    """Of the pixels of layers: those without influence."""
+
+
 class Denoiser:
     """A network with its weights, or a filter (Denoiser.filter).
 
@@ -88,6 +100,11 @@ class Denoiser:
         self._native.restart()
 
     @property
+    def skipped(self) -> Skipped:
+        """What was left out of the work on the last frame."""
+        return Skipped(*self._native.skipped)
+
+    @property
     def features(self) -> dict[str, int]:
         """What the network reads of each sample: names and how many channels each has."""
         return dict(self._native.features)
@@ -105,6 +122,7 @@ class Denoiser:
         depth_scale: float | None = None,
         threads: int = 0,
         max_memory_mb: int = 0,
+        skip_within: float = 0,
         progress: Callable[[float], Any] | None = None,
         world_to_camera: ArrayLike | None = None,
         world_to_ndc: ArrayLike | None = None,
@@ -118,8 +136,11 @@ class Denoiser:
         valid: [samples, height, width], False for samples that were not drawn; None: all were. Samples with a NaN or an infinity in
             their radiance do not count anyway.
         depth_scale: the unit of depth; None: that of the frame, or the median of the finite depths.
-        threads: that compute; 0: OMP_NUM_THREADS, or all CPUs of the process. The bits are those of ld_denoise with as many.
+        threads: that compute; 0: OMP_NUM_THREADS, or all CPUs of the process. The bits are those of ld_denoise with as many, and with
+            --skip-within as skip_within here.
         max_memory_mb: what the whole process may take, in MB of 2^20 bytes, the samples' copy aside; 0: no bound.
+        skip_within: how far the picture x may be from that of all work, so that what is known beforehand need not be computed: in each channel by
+            at most skip_within * (1 + |x|), 0 to 1; 0: by no bit. `skipped` says what was left out.
         progress: called now and then with the share that is done, 0 to 1. A result that is false, other than None, cancels.
         world_to_camera, world_to_ndc: [4, 4], OpenEXR's matrices for points as rows, for filters; None: those of the Frame, or not known.
 
@@ -128,7 +149,7 @@ class Denoiser:
         Raises ValueError for arrays that do not fit and for a memory bound that is too small, Cancelled, and what `progress` raises.
         """
         matrices = (world_to_camera, world_to_ndc)
-        return self._denoise(samples, {}, None, valid, depth_scale, threads, max_memory_mb, progress, matrices)[0]
+        return self._denoise(samples, {}, None, valid, depth_scale, threads, max_memory_mb, skip_within, progress, matrices)[0]
 
     def denoise_parts(
         self,
@@ -140,6 +161,7 @@ class Denoiser:
         depth_scale: float | None = None,
         threads: int = 0,
         max_memory_mb: int = 0,
+        skip_within: float = 0,
         progress: Callable[[float], Any] | None = None,
         world_to_camera: ArrayLike | None = None,
         world_to_ndc: ArrayLike | None = None,
@@ -156,7 +178,7 @@ class Denoiser:
         if parts is None:
             parts = samples.parts if isinstance(samples, Frame) else {}
         matrices = (world_to_camera, world_to_ndc)
-        pictures = self._denoise(samples, parts, alpha, valid, depth_scale, threads, max_memory_mb, progress, matrices)
+        pictures = self._denoise(samples, parts, alpha, valid, depth_scale, threads, max_memory_mb, skip_within, progress, matrices)
         named = dict(zip(parts, pictures[1:]))
         return DenoisedParts(pictures[0], named, None if alpha is None else pictures[-1][..., 0])
 
@@ -169,6 +191,7 @@ class Denoiser:
         depth_scale: float | None,
         threads: int,
         max_memory_mb: int,
+        skip_within: float,
         progress: Callable[[float], Any] | None,
         matrices: tuple[ArrayLike | None, ArrayLike | None],
     ) -> list[NDArray[np.float32]]:
@@ -182,6 +205,8 @@ class Denoiser:
         scale = scale if depth_scale is None else depth_scale
         if scale is not None and not (isinstance(scale, (int, float, np.floating)) and 0 < scale < np.inf):
             raise ValueError(f"depth_scale is {scale!r}; expected a number above 0, or None")
+        if isinstance(skip_within, bool) or not (isinstance(skip_within, (int, float, np.floating)) and 0 <= skip_within <= 1):
+            raise ValueError(f"skip_within is {skip_within!r}; expected a number from 0 to 1")
         if progress is not None and not callable(progress):
             raise ValueError(f"progress is {progress!r}; expected a function of the share that is done, or None")
         arrays = checked_samples(samples, self.features, self.required)
@@ -194,6 +219,7 @@ class Denoiser:
             0.0 if scale is None else float(scale),
             checked_count("threads", threads, 4096),
             checked_count("max_memory_mb", max_memory_mb, 10**9),
+            float(skip_within),
             progress,
             checked_matrix("world_to_camera", matrices[0]),
             checked_matrix("world_to_ndc", matrices[1]),

@@ -42,6 +42,7 @@ NB_MODULE(_native, module) {
       .def_prop_ro("name", &ld::PythonDenoiser::name)
       .def_prop_ro("remembers", &ld::PythonDenoiser::remembers)
       .def("restart", &ld::PythonDenoiser::restart)
+      .def_prop_ro("skipped", &ld::PythonDenoiser::skipped)
       .def_prop_ro("features", &ld::PythonDenoiser::features)
       .def_prop_ro("required", &ld::PythonDenoiser::required)
       .def(
@@ -49,11 +50,12 @@ NB_MODULE(_native, module) {
           [](ld::PythonDenoiser& self, const std::map<std::string, ld::SampleArray>& features,
              const std::vector<ld::SampleArray>& parts, const ld::AlphaArray& alpha,
              const ld::ValidArray& valid, float depth_scale, int threads, int64_t max_memory_mb,
-             const nb::object& progress, const std::vector<float>& world_to_camera,
+             double skip_within, const nb::object& progress, const std::vector<float>& world_to_camera,
              const std::vector<float>& world_to_ndc) {
-            return self.denoise({features, parts, alpha, valid}, {depth_scale, threads, max_memory_mb,
-                                                                  world_to_camera, world_to_ndc, progress});
+            return self.denoise(
+                {features, parts, alpha, valid},
+                {depth_scale, threads, max_memory_mb, skip_within, world_to_camera, world_to_ndc, progress});
           },
           nb::arg(), nb::arg(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg().none(), nb::arg(), nb::arg());
+          nb::arg(), nb::arg().none(), nb::arg(), nb::arg());
 }

@@ -143,6 +143,11 @@ void PythonDenoiser::restart() {
   denoiser_.restart();
 }
 
+std::vector<double> PythonDenoiser::skipped() const {
+  const Skipped skipped = denoiser_.skipped();
+  return {skipped.pixels, skipped.samples, skipped.layers};
+}
+
 std::vector<std::pair<std::string, int>> PythonDenoiser::features() const {
   std::vector<std::pair<std::string, int>> features;
   for (const std::string& name : denoiser_.features())
@@ -153,6 +158,7 @@ std::vector<std::pair<std::string, int>> PythonDenoiser::features() const {
 std::vector<PictureArray> PythonDenoiser::denoise(const PythonSamples& samples,
                                                   const PythonDenoiseOptions& how) {
   const OneCall call(busy_);
+  check_skip_within(how.skip_within);
   std::vector<Pixels> pixels;
   const FrameBuffers buffers = buffers_of(samples, pixels);
   const FloatingPointSettings callers;
@@ -160,6 +166,7 @@ std::vector<PictureArray> PythonDenoiser::denoise(const PythonSamples& samples,
   DenoiseOptions options;
   options.threads = how.threads > 0 ? how.threads : default_threads();
   options.max_memory_bytes = how.max_memory_mb * kBudgetMegabyte;
+  options.skip_within = how.skip_within;
   options.progress = [&](double share) { callbacks.advance(share); };
   options.cancel = [&] { return callbacks.cancel(); };
   {

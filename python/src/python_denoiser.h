@@ -35,6 +35,7 @@ struct PythonDenoiseOptions {
   float depth_scale = 0;  // 0: the median of the depths
   int threads = 0;
   int64_t max_memory_mb = 0;
+  double skip_within = 0;
   std::vector<float> world_to_camera, world_to_ndc;  // 16 numbers, or none: not known
   nanobind::object progress;                         // None or a function of the share that is done
 };
@@ -47,6 +48,8 @@ class PythonDenoiser {
 
   const std::string& name() const { return denoiser_.name(); }
   bool remembers() const { return denoiser_.remembers(); }
+  /// Of the last frame: shares of pixels, samples and layers' pixels.
+  std::vector<double> skipped() const;
   void restart();
 
   /// Name and channels of the features that are read, in their order.

@@ -97,6 +97,17 @@ class Bits(unittest.TestCase):
         expected = ld.Denoiser().denoise(samples, threads=1)
         np.testing.assert_array_equal(ld.Denoiser().denoise(samples, threads=1, max_memory_mb=20000), expected)
 
+    def test_keep_a_bound_where_work_may_be_left_out(self):
+        samples = support.noisy_samples(53, 167, 3, ("radiance",))
+        samples["radiance"][:, :, :125] = 0.3  # a background of one colour
+        denoiser = ld.Denoiser("common_fast")
+        exact = denoiser.denoise(samples, threads=1)
+        self.assertEqual(denoiser.skipped.pixels, 0)
+        left_out = denoiser.denoise(samples, threads=1, skip_within=1e-3)
+        self.assertGreater(denoiser.skipped.pixels, 0.5)
+        self.assertTrue((left_out != exact).any())
+        self.assertLessEqual((np.abs(left_out - exact) / (1 + np.abs(exact))).max(), 1e-3)
+
     def test_inputs_stay_as_they_are(self):
         samples = support.noisy_samples()
         samples["radiance"][0, 0, 0] = [np.nan, -1, np.inf]

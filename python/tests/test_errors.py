@@ -59,9 +59,11 @@ class WrongSamples(unittest.TestCase):
         self.refused("nothing to see", "NaN", radiance=np.full((2, 5, 7, 3), np.nan))
 
     def test_options(self):
-        for name, value in {"threads": -1, "max_memory_mb": 1.5, "depth_scale": 0, "progress": 3}.items():
+        for name, value in {"threads": -1, "max_memory_mb": 1.5, "skip_within": -1, "depth_scale": 0, "progress": 3}.items():
             self.refused(f"{name} is {value}", "expected", options={name: value})
         self.refused("threads is True", options={"threads": True})
+        self.refused("skip_within is nan", options={"skip_within": float("nan")})
+        self.refused("skip_within is '0'", options={"skip_within": "0"})
         self.refused("depth_scale is nan", options={"depth_scale": float("nan")})
         self.refused("memory budget", "the smallest is", options={"max_memory_mb": 1})
         with self.assertRaises(TypeError):

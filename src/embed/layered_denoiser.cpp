@@ -185,6 +185,19 @@ LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes) {
   return LD_OK;
 }
 
+LdStatus ld_set_skip_within(LdDenoiser* denoiser, double within) {
+  if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
+  return guarded([&] {
+    ld::check_skip_within(within);
+    denoiser->options.skip_within = within;
+  });
+}
+
+LdSkipped ld_skipped(const LdDenoiser* denoiser) {
+  const ld::Skipped skipped = denoiser == nullptr ? ld::Skipped() : denoiser->engine.skipped();
+  return {skipped.pixels, skipped.samples, skipped.layers};
+}
+
 LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user) {
   if (denoiser == nullptr) return refuse(LD_INVALID_ARGUMENT, kNoDenoiser);
   denoiser->options.progress = nullptr;

@@ -38,6 +38,9 @@ class SequenceDenoiser {
   /// where a filter is to denoise.
   DenoisedParts denoise(const SampleArrays& arrays, const DenoiseOptions& options);
 
+  /// What was left out of the last frame's work (DenoiseOptions::skip_within); nothing by filters.
+  Skipped skipped() const { return model_ ? model_->skipped() : Skipped(); }
+
  private:
   std::optional<Denoiser> model_;  // or:
   std::optional<FrameFilter> filter_;

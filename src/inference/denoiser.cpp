@@ -155,6 +155,10 @@ struct Denoiser::State {
   }
 };
 
+void check_skip_within(double within) {
+  if (!(within >= 0 && within <= 1)) fail_usage("skip_within is {}; expected a number from 0 to 1", within);
+}
+
 Denoiser::Denoiser(const std::filesystem::path& model) : state_(std::make_unique<State>()) {
   state_->network = read_network_weights(model);
   required_ = state_->network.config.required_features();

@@ -38,6 +38,9 @@ struct DenoiseOptions {
   std::function<bool()> cancel;
 };
 
+/// Throws UsageError unless the bound of DenoiseOptions::skip_within is a number from 0 to 1.
+void check_skip_within(double within);
+
 /// What denoise() throws when DenoiseOptions::cancel said so.
 class Cancelled : public Error {
  public:

@@ -182,6 +182,35 @@ TEST_F(Embed, AMemoryBoundChangesNoBitAndOneTooSmallIsRefused) {
   EXPECT_EQ(denoise(), expected);
 }
 
+TEST(EmbedReleased, LeavesOutWorkWithinTheBoundThatWasSet) {
+  ld_set_threads(1);
+  const std::string weights = std::string(LD_SOURCE_DIR) + "/models/pretrained/common_fast.safetensors";
+  // Noise beside a background of one colour, which fills a stretch of the rows.
+  Frame frame = random_frame(167, 53, 3, 4);
+  frame.features = {"radiance"};
+  for (int s = 0; s < frame.spp; ++s)
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < frame.height; ++y) std::fill_n(&frame.plane(s, c)[size_t(y) * 167], 125, 0.3F);
+  layered_denoiser::Denoiser denoiser(weights);
+  denoiser.set_size(frame.width, frame.height, frame.spp);
+  const std::vector<float> radiance = samples_of(frame, "radiance");
+  denoiser.set_feature("radiance", radiance.data());
+  std::vector<float> exact(3 * frame.plane_size()), left_out = exact;
+  EXPECT_EQ(denoiser.skipped().pixels, 0);
+  denoiser.denoise(exact.data());
+  EXPECT_EQ(denoiser.skipped().pixels, 0);
+  denoiser.set_skip_within(1e-3);
+  denoiser.denoise(left_out.data());
+  EXPECT_GT(denoiser.skipped().pixels, 0.5);
+  EXPECT_NE(left_out, exact);
+  for (size_t i = 0; i < exact.size(); ++i)
+    ASSERT_LE(std::abs(left_out[i] - exact[i]), 1e-3 * (1 + std::abs(exact[i]))) << i;
+  for (const double wrong : {-1.0, 2.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(denoiser.set_skip_within(wrong), layered_denoiser::Failure) << wrong;
+  EXPECT_EQ(ld_set_skip_within(nullptr, 0), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_skipped(nullptr).pixels, 0);
+}
+
 TEST(EmbedReleased, WeightsDoWithoutFeaturesThatAreNotSet) {
   ld_set_threads(1);
   const std::string weights = std::string(LD_SOURCE_DIR) + "/models/pretrained/common_fast.safetensors";

@@ -46,6 +46,13 @@ typedef struct LdStrides {
   ptrdiff_t sample, channel, row, pixel;
 } LdStrides;
 
+/* What was left out of a frame's work, as shares, 0 to 1: of the pixels, those whose light is even; of what
+ * networks make of each sample, the samples that are the first of their pixel again; of the pixels of layers,
+ * those without influence. */
+typedef struct LdSkipped {
+  double pixels, samples, layers;
+} LdSkipped;
+
 /* Called now and then with the share that is done, 0 to 1; returning 0 cancels. */
 typedef int (*LdProgress)(double share, void* user);
 
@@ -108,6 +115,13 @@ LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
  * ld_denoise() fail and name the smallest one. */
 LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
 
+/* How far the picture x may be from that of all work, so that what is known beforehand need not be computed:
+ * in each channel by at most within (1 + |x|), in parts of the light and alpha, too. `within` is 0 to 1; 0
+ * (the default): by no bit. What was left out of the last frame, ld_skipped() says. Networks that remember,
+ * blend resolutions or predict light leave out what keeps every bit; filters leave out nothing. */
+LD_API LdStatus ld_set_skip_within(LdDenoiser* denoiser, double within);
+LD_API LdSkipped ld_skipped(const LdDenoiser* denoiser);
+
 /* Of the following frames, for filters: the matrices that OpenEXR has as worldToCamera and worldToNDC, 16
  * numbers row by row for points as rows, at shutter open; NULL (the default): not known. Models do not read
  * them. */
@@ -123,8 +137,8 @@ LD_API int ld_remembers(const LdDenoiser* denoiser);
 LD_API LdStatus ld_set_progress(LdDenoiser* denoiser, LdProgress progress, void* user);
 
 /* Denoises the frame into `picture`: linear R, G, B. It is written only when the call succeeds. With the
- * same samples, weights, machine and number of threads, the bits are those that the program ld_denoise
- * computes; its files hold them with --float. */
+ * same samples, weights, machine, number of threads and ld_set_skip_within(), the bits are those that the
+ * program ld_denoise computes with --skip-within, whose default is 1e-4; its files hold them with --float. */
 LD_API LdStatus ld_denoise(LdDenoiser* denoiser, float* picture, const LdStrides* strides);
 
 #ifdef __cplusplus

@@ -86,6 +86,10 @@ class Denoiser {
   /// The next frame follows none of those before.
   void restart() { check(ld_restart(denoiser_.get())); }
   void set_max_memory(size_t megabytes) { check(ld_set_max_memory(denoiser_.get(), megabytes)); }
+  /// The picture x may be another by within (1 + |x|), so that less is to compute (ld_set_skip_within).
+  void set_skip_within(double within) { check(ld_set_skip_within(denoiser_.get(), within)); }
+  /// What was left out of the last frame.
+  LdSkipped skipped() const { return ld_skipped(denoiser_.get()); }
 
   /// Called with the share done; returning false cancels: denoise() then throws a Failure of LD_CANCELLED.
   /// It must not throw.
