@@ -9,6 +9,8 @@
 #include "core/error.h"
 #include "core/process/process_memory.h"
 #include "core/random.h"
+#include "export/activation_ranges.h"
+#include "export/quantised_export.h"
 #include "models/graphs/network_graph.h"
 #include "runtime/executor.h"
 
@@ -71,6 +73,13 @@ NetworkWeights random_weights(const NetworkConfig& config) {
     network.weights.add(parameter.name, std::move(weight));
   }
   return network;
+}
+
+NetworkWeights random_weights_in_eight_bits(const NetworkConfig& config) {
+  const NetworkWeights network = random_weights(config);
+  ActivationRanges ranges(network);
+  ranges.add(noise_frame(config.features, {2, 16, 16}), 1);
+  return quantised(network, ranges);
 }
 
 std::vector<NetworkTime> measure_networks(const std::vector<NetworkWeights>& networks,

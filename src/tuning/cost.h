@@ -19,6 +19,9 @@ using graph::PictureExtent;
 /// takes does not depend on them.
 NetworkWeights random_weights(const NetworkConfig& config);
 
+/// The same in 8 bits (export/quantised_export.h).
+NetworkWeights random_weights_in_eight_bits(const NetworkConfig& config);
+
 struct NetworkTime {
   double ms = 0;         // median
   double memory_mb = 0;  // of the plan: arena and weights

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/error.h"
 #include "core/log.h"
+#include "tuning/admission.h"
 #include "tuning/decisions.h"
 #include "tuning/gain.h"
 
@@ -30,17 +30,14 @@ class Search {
   SearchOutcome outcome() { return std::move(outcome_); }
 
  private:
-  bool within(double ms, double factor) const {
-    return !requirement_.budget_ms || ms <= factor * *requirement_.budget_ms;
-  }
   void say(const std::string& sentence) {
     spdlog::info("{}", sentence);
     outcome_.sentences.push_back(sentence);
   }
-  [[noreturn]] void fail_budget(const std::string& name, double ms, bool measured) const;
   std::optional<TrialResult> train(const std::string& name, Candidate candidate, double minutes,
                                    const std::string& begins_with);
   bool add_point(Point point, const std::string& trial, const std::vector<double>& errors, double minutes);
+  bool put_into_eight_bits(Point& point);
   std::vector<size_t> train_rung(const std::vector<size_t>& left, size_t rung, bool& stopped);
 
   const Requirement& requirement_;
@@ -51,52 +48,12 @@ class Search {
   Point found_;                                          // the network, then with the features that pay
 };
 
-void Search::fail_budget(const std::string& name, double ms, bool measured) const {
-  fail(
-      "no candidate denoises a frame within {:g} ms: the cheapest, {}, {} {:.3g} ms; give a larger "
-      "--budget-ms, "
-      "a smaller --at, fewer --samples or more --threads",
-      *requirement_.budget_ms, name, measured ? "took" : "should take", ms);
-}
-
 bool Search::admit(const std::vector<Candidate>& space) {
-  std::vector<double> predicted;
-  for (const Candidate& candidate : space) predicted.push_back(tools_.predict_ms(candidate.config.network));
-  std::vector<size_t> order = in_order(space, predicted, requirement_);
-  const size_t all = order.size();
-  order.erase(std::remove_if(order.begin(), order.end(),
-                             [&](size_t i) { return !within(predicted[i], kBeyondDoubt); }),
-              order.end());
-  if (order.empty()) {
-    const size_t cheapest = size_t(std::min_element(predicted.begin(), predicted.end()) - predicted.begin());
-    fail_budget(space[cheapest].name, predicted[cheapest], false);
-  }
-  const size_t groups = feature_groups(space[0].config.network.features).size();
-  const size_t most = affordable_candidates(order.size(), groups, minutes_);
-  size_t too_slow = 0, looked_at = 0;
-  std::pair<double, std::string> cheapest = {std::numeric_limits<double>::infinity(), ""};
-  for (const size_t i : order) {
-    if (outcome_.points.size() == most) break;
-    ++looked_at;
-    Point point{space[i].name, "", space[i], {}, std::numeric_limits<double>::quiet_NaN(), {}, predicted[i]};
-    const std::optional<NetworkTime> time = tools_.measure(point.name, space[i].config.network);
-    if (!time) return false;
-    point.time = *time;
-    cheapest = std::min(cheapest, {time->ms, point.name});
-    if (within(time->ms, 1))
-      outcome_.points.push_back(point);
-    else
-      ++too_slow;
-  }
-  if (outcome_.points.empty()) fail_budget(cheapest.second, cheapest.first, true);
-  const size_t count = outcome_.points.size(), no_time = order.size() - looked_at;
-  std::string text = fmt::format("{} of {} candidates train", count, all);
-  if (requirement_.budget_ms)
-    text += fmt::format("; {} are beyond {:g} times the budget by their graphs, {} beyond it by the clock",
-                        all - order.size(), kBeyondDoubt, too_slow);
-  if (no_time > 0) text += fmt::format("; for {} there is no time", no_time);
-  say(text + ".");
-  outcome_.plan = plan_search(count, groups, minutes_);
+  const std::optional<Admission> admission = ld::admit(space, requirement_, minutes_, tools_);
+  if (!admission) return false;
+  outcome_.points = admission->points;
+  outcome_.plan = admission->plan;
+  say(admission->sentence);
   spdlog::info("{}", plan_text(outcome_.plan));
   return true;
 }
@@ -162,9 +119,29 @@ bool Search::halve() {
   const size_t winner = left[chosen ? *chosen : better_half(finalists, requirement_)[0]];
   found_ = points[winner];
   for (const std::string& sentence : network_sentences(points, rungs_, winner)) say(sentence);
+  for (Point& point : points)
+    if (point.eight_bits && !point.trial.empty() && !put_into_eight_bits(point)) return false;
   // Those that no rung could train are no points.
   points.erase(std::remove_if(points.begin(), points.end(), [](const Point& p) { return p.trial.empty(); }),
                points.end());
+  return true;
+}
+
+/// The weights of the point's trial in 8 bits, which may fail: then it has no trial any more. false when a
+/// stop was asked for.
+bool Search::put_into_eight_bits(Point& point) {
+  const std::optional<EightBits> made = tools_.in_eight_bits(point.trial);
+  if (!made) return false;
+  if (!made->result.failure.empty()) {
+    say(fmt::format("{} in 8 bits: dropped, {}.", point.name, made->result.failure));
+    point.trial.clear();
+    return true;
+  }
+  point.name += ", 8 bits";
+  point.eight_bits = true;
+  point.errors = made->result.errors;
+  point.error = mean_error(point.errors);
+  point.time = made->time;
   return true;
 }
 
@@ -175,9 +152,10 @@ bool Search::add_point(Point point, const std::string& trial, const std::vector<
   point.error = mean_error(errors);
   point.minutes += minutes;
   point.predicted_ms = tools_.predict_ms(point.candidate.config.network);
-  const std::optional<NetworkTime> time = tools_.measure(point.name, point.candidate.config.network);
+  const auto time = tools_.measure(point.name, point.candidate.config.network, /*eight_bits=*/false);
   if (!time) return false;
   point.time = *time;
+  point.eight_bits = false;
   outcome_.points.push_back(point);
   return true;
 }
@@ -193,14 +171,15 @@ bool Search::decide_features() {
     say(fmt::format("All features are kept: a training to compare with failed: {}.", with->failure));
     return true;
   }
-  outcome_.points.push_back(found_);  // the same network, so the same time
-  Point& control = outcome_.points.back();
+  Point control = found_;  // the same network, so the same time
   control.trial = found_.trial = all;
   control.errors = with->errors;
   control.error = mean_error(with->errors);
   control.minutes += minutes;
   control.name = found_.name + ", longer";
   found_.minutes = control.minutes;
+  if (control.eight_bits && !put_into_eight_bits(control)) return false;
+  if (!control.trial.empty()) outcome_.points.push_back(control);
   std::vector<std::string> kept = found_.candidate.config.network.features;
   std::vector<std::string> left_out;  // groups by their first feature
   for (const FeatureGroup& group : groups) {
@@ -247,17 +226,8 @@ bool Search::finish() {
   Point& full = outcome_.points.back();
   full.name += ", final";
   Point small = full;
-  const std::optional<EightBits> eight_bits = tools_.in_eight_bits(trial);
-  if (!eight_bits) return false;
-  if (!eight_bits->result.failure.empty()) {
-    say(fmt::format("8 bits: dropped, {}.", eight_bits->result.failure));
-    return true;
-  }
-  small.name += ", 8 bits";
-  small.eight_bits = true;
-  small.errors = eight_bits->result.errors;
-  small.error = mean_error(small.errors);
-  small.time = eight_bits->time;
+  if (!put_into_eight_bits(small)) return false;
+  if (small.trial.empty()) return true;
   say(eight_bits_sentence(full, small));
   outcome_.points.push_back(small);
   return true;

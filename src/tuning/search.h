@@ -46,13 +46,15 @@ struct Point {
   double error = 0;  // mean
   NetworkTime time;
   double predicted_ms = 0, minutes = 0;  // of training, those before it included
-  bool eight_bits = false, unbeaten = false;
+  bool eight_bits = false;  // of its weights; of a candidate: it is within the budget in 8 bits alone
+  bool unbeaten = false;
 };
 
 /// What the search asks for. Trials, times and 8 bits are nullopt when a stop was asked for.
 struct SearchTools {
   std::function<double(const NetworkConfig&)> predict_ms;
-  std::function<std::optional<NetworkTime>(const std::string& name, const NetworkConfig&)> measure;
+  std::function<std::optional<NetworkTime>(const std::string& name, const NetworkConfig&, bool eight_bits)>
+      measure;
   std::function<std::optional<TrialResult>(const Trial&)> run;
   std::function<std::optional<EightBits>(const std::string& trial)> in_eight_bits;
   /// Each network's own time, of all in turns.

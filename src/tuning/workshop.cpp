@@ -103,8 +103,9 @@ void Workshop::remember_costs() const {
 
 SearchTools Workshop::tools() {
   return {[this](const NetworkConfig& config) { return costs_.milliseconds(config, options_.picture); },
-          [this](const std::string& name, const NetworkConfig& config) {
-            return measure(name, random_weights(config));
+          [this](const std::string& name, const NetworkConfig& config, bool eight_bits) {
+            return eight_bits ? measure(name + " in 8 bits", random_weights_in_eight_bits(config))
+                              : measure(name, random_weights(config));
           },
           [this](const Trial& trial) { return run(trial); },
           [this](const std::string& trial) { return in_eight_bits(trial); },

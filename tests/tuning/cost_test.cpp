@@ -16,6 +16,7 @@ TEST(TuningCost, EveryCandidateRunsAndHasAPrediction) {
   for (const Candidate& candidate : space) {
     const NetworkTime time = measure_network(random_weights(candidate.config.network), picture, 1);
     EXPECT_GT(time.ms, 0) << candidate.name;
+    EXPECT_GT(measure_network(random_weights_in_eight_bits(candidate.config.network), picture, 1).ms, 0);
     EXPECT_GT(time.memory_mb, 0) << candidate.name;
     EXPECT_GT(costs.milliseconds(candidate.config.network, picture), 0) << candidate.name;
   }

@@ -32,7 +32,8 @@ struct FakeTools {
   size_t frames = 8;
   double eight_bits_error = 1.001, eight_bits_time = 0.6;
   std::set<std::string> failing;  // trials
-  size_t stop_after = 1000;       // trials
+  bool failing_in_eight_bits = false;
+  size_t stop_after = 1000;  // trials
   std::map<std::string, double> minutes_before = {};
   std::vector<Trial> trials = {};
   std::vector<std::string> measured = {}, in_turns = {};
@@ -63,9 +64,10 @@ struct FakeTools {
   SearchTools tools(const std::vector<Candidate>& space) {
     for (const Candidate& candidate : space) names[key(candidate.config.network)] = candidate.name;
     return {[this](const NetworkConfig& config) { return predicted * ms(config); },
-            [this](const std::string& name, const NetworkConfig& config) -> std::optional<NetworkTime> {
+            [this](const std::string& name, const NetworkConfig& config,
+                   bool eight_bits) -> std::optional<NetworkTime> {
               measured.push_back(name);
-              return NetworkTime{ms(config), 10};
+              return NetworkTime{(eight_bits ? eight_bits_time : 1) * ms(config), 10};
             },
             [this](const Trial& trial) -> std::optional<TrialResult> {
               if (trials.size() == stop_after) return std::nullopt;
@@ -79,6 +81,7 @@ struct FakeTools {
             [this](const std::string& trial) -> std::optional<EightBits> {
               const auto found =
                   std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.name == trial; });
+              if (failing_in_eight_bits) return EightBits{{{}, "they are too coarse"}, {}};
               TrialResult result;
               const double mean = error(*found) * eight_bits_error;
               for (size_t f = 0; f < frames; ++f) result.errors.push_back(mean * (1 + 0.1 * double(f)));

@@ -70,6 +70,7 @@ TEST_F(SearchTest, WhatIsBeyondTheBudgetNeverTrains) {
   for (const Candidate& candidate : space_) fake_.cost[candidate.name] = 31;  // beyond doubt
   fake_.cost["means_fast_k9"] = 15;
   fake_.cost["layer1_fast_k9"] = 25;  // the clock decides
+  fake_.eight_bits_time = 0.9;        // 22.5
   fake_.quality["layer1_fast_k9"] = 0.01;
   const auto outcome = run(kBudget);
   ASSERT_TRUE(outcome && outcome->chosen);
@@ -79,6 +80,31 @@ TEST_F(SearchTest, WhatIsBeyondTheBudgetNeverTrains) {
                    "1 of 49 candidates train; 47 are beyond 1.5 times the budget by their graphs, 1 "
                    "beyond it by the clock"))
       << outcome->sentences[0];
+}
+
+TEST_F(SearchTest, WhatOnlyEightBitsBringWithinTheBudgetIsChosenInEightBits) {
+  for (const Candidate& candidate : space_) fake_.cost[candidate.name] = 31;
+  fake_.cost["means_fast_k9"] = 15;
+  fake_.cost["layer1_fast_k9"] = 25;  // 15 in 8 bits
+  fake_.quality["layer1_fast_k9"] = 0.01;
+  auto outcome = run(kBudget);
+  ASSERT_TRUE(outcome && outcome->chosen);
+  EXPECT_TRUE(says(*outcome, "2 of 49 candidates train, 1 of them for the budget that 8 bits keep"));
+  const Point& chosen = outcome->points[*outcome->chosen];
+  EXPECT_EQ(chosen.candidate.name, "layer1_fast_k9");
+  EXPECT_TRUE(chosen.eight_bits);
+  EXPECT_EQ(chosen.time.ms, 15);
+  for (const Point& point : outcome->points)
+    if (point.candidate.name == "layer1_fast_k9") {
+      EXPECT_EQ(point.time.ms, point.eight_bits ? 15 : 25) << point.name;
+      EXPECT_EQ(point.name.find(", 8 bits") != std::string::npos, point.eight_bits) << point.name;
+    }
+  // Where they fail, what was trained for them is no point, and the other is taken.
+  fake_.failing_in_eight_bits = true;
+  outcome = run(kBudget);
+  ASSERT_TRUE(outcome && outcome->chosen);
+  EXPECT_TRUE(says(*outcome, "layer1_fast_k9 in 8 bits: dropped, they are too coarse."));
+  EXPECT_EQ(outcome->points[*outcome->chosen].candidate.name, "means_fast_k9");
 }
 
 TEST_F(SearchTest, ABudgetThatNothingMeetsIsAnErrorThatNamesTheCheapest) {
