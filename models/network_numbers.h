@@ -28,6 +28,7 @@ constexpr double kLeastTexture = 1e-3;     // what light is divided by at least
 constexpr double kLargestState = 65504;    // what a frame hands on lies within: no sequence diverges
 constexpr double kLargestRoot = 2.5e7;     // of light that is predicted: its fifth power is 1e37
 constexpr double kLargestEmission = 3e38;  // beside which that fits into a float
+constexpr double kLeastBesideEmission = 1.0 / 2048;  // part of it: less light is what halves round
 
 // models/exposure.h.
 constexpr double kMiddleGrey = 0.18;

@@ -53,7 +53,7 @@ RecurrentInput::RecurrentInput(const NetworkInput& input, const NetworkConfig& c
 
 Tensor RecurrentInput::root(const Tensor& radiance) const {
   const torch::NoGradGuard data;
-  return (radiance - emission).clamp_min(0).pow(kLightPower) / texture;
+  return (radiance - (1 + kLeastBesideEmission) * emission).clamp_min(0).pow(kLightPower) / texture;
 }
 
 Tensor RecurrentInput::picture(const Tensor& predicted) const {

@@ -17,7 +17,8 @@ namespace ld {
 /// a pixel. C is the radiance, A = albedo + specular, E what the first hit emits itself: the radiance of a
 /// sample whose ray escaped (encoded depth 1), else the feature "emission" where the network reads it. With
 /// A1 = max(A, 1e-3), 1 in a pixel without samples,
-///   light S = max(C - E, 0) / A1,   picture = S A1 + E.
+///   light S = max(C - E - E / 2048, 0) / A1,   picture = S A1 + E.
+/// On a lamp C and E are equal but for their rounding, which the power 0.2 would make as large as light.
 /// Data, and nothing that the network makes, is taken to the power 0.2, whose slope at 0 is infinite; so no
 /// gradient goes through here.
 struct RecurrentInput {

@@ -3,10 +3,12 @@
 # one and without the other.
 #   scripts/recurrent_study.sh DATA OUT      DATA is data/recipes/sequence_quick.yaml, rendered
 # Prints a table over the test sequences at one sample a pixel and writes it to OUT/table.md. Environment: CONFIG (default
-# configs/quick_recurrent.yaml), BIN, JOBS.
+# configs/quick_recurrent.yaml), SET (further settings, "key.sub=value ..."), TEST (a data set whose test split is taken, default DATA), BIN, JOBS.
 . "$(dirname "$0")/studies.sh"
 config=${CONFIG:-configs/quick_recurrent.yaml}
-begin=(--config "$config" "data.path=$data")
+# shellcheck disable=SC2206  # words for ld_train
+begin=(--config "$config" "data.path=$data" ${SET:-})
+test=${TEST:-$data}
 train recurrent "${begin[@]}"
 train without_recurrence "${begin[@]}" network.recurrence=false
 train without_temporal_loss "${begin[@]}" clip_loss.temporal=0
@@ -14,8 +16,8 @@ wait_for_trainings
 
 models=()
 for name in recurrent without_recurrence without_temporal_loss; do models+=(--model "$name=$out/runs/$name"); done
-"$bin/ld_eval" --data "$data" --sequences --samples 1 "${models[@]}" --baseline recurrent --out "$out/eval" > "$out/eval.txt"
-python3 - "$data" "$out/eval" <<'END' | tee "$out/table.md"
+"$bin/ld_eval" --data "$test" --sequences --samples 1 "${models[@]}" --baseline recurrent --out "$out/eval" > "$out/eval.txt"
+python3 - "$test" "$out/eval" <<'END' | tee "$out/table.md"
 import csv, json, sys
 from statistics import mean
 

@@ -24,12 +24,18 @@ def main():
     parser.add_argument("--row", type=int, default=-1, help="of the slice; default: two thirds down")
     parser.add_argument("--methods", nargs="*", help="default: all of the strip")
     options = parser.parse_args()
-    first, last = options.frames.split(":")
-    stem, start = re.fullmatch(r"(.*?)(\d+)", first).groups()
-    strips = [options.eval / "strips" / f"{stem}{number:0{len(start)}}.png" for number in range(int(start), int(last[len(stem):]) + 1)]
+    frames = re.fullmatch(r"(.*?)(\d+):\1(\d+)", options.frames)
+    if not frames:
+        parser.error(f"frames are {options.frames!r}; expected FIRST:LAST, such as frame_000108:frame_000119")
+    stem, start, last = frames.groups()
+    strips = [options.eval / "strips" / f"{stem}{number:0{len(start)}}.png" for number in range(int(start), int(last) + 1)]
     count = len(strips)
     known = [*json.loads((options.eval / "metrics.json").read_text())["methods"]]
     known = [*(name for name in known if name not in ("reference", "floor")), "reference"]
+    if unknown := set(options.methods or []) - set(known):
+        parser.error(f"no method is named {', '.join(sorted(unknown))}; {options.eval} has {', '.join(known)}")
+    if missing := [strip for strip in strips if not strip.exists()]:
+        parser.error(f"there is no {missing[0]}; ld_eval leaves strips of so many frames as --report-frames says")
     size = subprocess.run(["oiiotool", "--info", str(strips[0])], capture_output=True, text=True, check=True).stdout
     across, down = map(int, re.search(r"(\d+)\s*x\s*(\d+)", size).groups())
     width, height = (across + GAP) // len(known) - GAP, down - TITLE

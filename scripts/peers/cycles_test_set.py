@@ -54,14 +54,21 @@ def names_of(options):
     return [f"{scene}_{view}" for view in range(VIEWS) for scene in SCENES if f"{scene}_{view}".startswith(options.only)]
 
 
+def number_by_chance(name):
+    """Of a scene by chance; None for those of the test set."""
+    return int(name[len("random_"):]) if name.startswith("random_") else None
+
+
 def split_of(name):
     """Of scenes by chance, one in twelve is for validation."""
-    return "test" if not name.startswith("random_") else "validation" if int(name[7:]) % 12 == 11 else "train"
+    number = number_by_chance(name)
+    return "test" if number is None else "validation" if number % 12 == 11 else "train"
 
 
 def build(name, meshes):
-    if name.startswith("random_"):
-        __import__("scenes_random").build(int(name[7:]))
+    number = number_by_chance(name)
+    if number is not None:
+        __import__("scenes_random").build(number)
         return
     module, function, takes_meshes = SCENES[name[:-2]]
     getattr(__import__(module), function)(int(name[-1]), *([meshes] if takes_meshes else []))

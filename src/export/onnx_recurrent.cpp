@@ -33,7 +33,8 @@ void to_onnx(const graph::TakeRoots& op, OnnxWalk& at) {
     emitted = g.where(g.op("Greater", {g.number(1), feature(op.depth, 1)}), emitted, radiance);
   const Value emission = g.min(onnx_masked_mean(g, emitted, valid), g.number(float(kLargestEmission)));
 
-  const Value root = g.div(fifth_root(g, g.max(g.sub(light, emission), zero)), texture);
+  const Value least = g.mul(emission, g.number(float(1 + kLeastBesideEmission)));
+  const Value root = g.div(fifth_root(g, g.max(g.sub(light, least), zero)), texture);
   at.make(g.concat({root, mean(op.normal, 2), mean(op.depth, 1), mean(op.roughness, 1)}, 2), 0);
   at.make(texture, 1);
   at.make(emission, 2);

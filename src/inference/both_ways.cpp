@@ -78,6 +78,11 @@ void BackwardPass::fail_frame(size_t key, const std::string& why) {
   kept(key).failure = why;
 }
 
+void BackwardPass::end() {
+  state_.end();
+  next_.reset();
+}
+
 int64_t BackwardPass::mix_into(size_t key, DenoisedParts& forwards, const Image& frames_forwards) const {
   const Kept& entry = kept_.at(key);
   if (!entry.failure.empty()) fail("{}", entry.failure);

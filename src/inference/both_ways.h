@@ -36,6 +36,9 @@ class BackwardPass {
   /// In place of a frame that could not be had: the one before it knows nothing of those behind.
   void fail_frame(size_t key, const std::string& why);
 
+  /// After the first frame: what one frame leaves for the next is of no use any more.
+  void end();
+
   /// What add() made of the frame is mixed into `forwards`, made of the same frame, as mix_directions() says.
   /// Returns how many frames right behind it were known. Throws Error with the reason of fail_frame().
   int64_t mix_into(size_t key, DenoisedParts& forwards, const Image& frames_forwards) const;

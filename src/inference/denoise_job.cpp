@@ -19,6 +19,7 @@
 #include "inference/both_ways.h"
 #include "inference/denoise_job_check.h"
 #include "inference/denoiser.h"
+#include "inference/parts_for_looking.h"
 #include "models/network_config.h"
 #include "weights/weight_file.h"
 
@@ -32,17 +33,6 @@ const std::vector<std::string> kRadianceAlone = {"radiance"};  // all else a fil
 /// Of the samples, [1, H, W]; empty where they have none.
 Image kept_alpha(const Frame& frame) {
   return frame.alpha.empty() ? Image() : mean_alpha(frame);
-}
-
-/// A part of the colour and, where it is not empty, a further plane.
-PicturePart layer_part(const std::string& name, const Image& colour, const Image& further,
-                       const char* channel) {
-  Image planes(colour.width, colour.height, 3 + further.channels);
-  const auto end = std::copy(colour.pixels.begin(), colour.pixels.end(), planes.pixels.begin());
-  std::copy(further.pixels.begin(), further.pixels.end(), end);
-  std::vector<std::string> channels = {"R", "G", "B"};
-  if (further.channels > 0) channels.emplace_back(channel);
-  return {name, std::move(planes), channels};
 }
 
 std::vector<std::string> names_of(const std::vector<LightPart>& parts) {
@@ -70,6 +60,7 @@ class Run {
   /// Before the frames of a sequence, tasks [first, last), are denoised in their order: with both_ways the
   /// same backwards. Frames that cannot be had are complained of by denoise(). False when it was stopped.
   bool go_backwards(size_t first, size_t last) {
+    end_sequence();  // the directions follow one another: one state at a time is in memory
     backward_.emplace(*denoiser_, job_.tasks[first].output.parent_path());
     for (size_t i = last; i-- > first; finish_frame()) {
       const DenoiseTask& task = job_.tasks[i];
@@ -86,6 +77,7 @@ class Run {
         backward_->fail_frame(i, error.what());
       }
     }
+    backward_->end();
     return true;
   }
 
@@ -145,8 +137,8 @@ class Run {
     return entry;
   }
 
-  /// What was remembered of the frames before it is of no use to the one after it.
-  void fail_frame() {
+  /// What was remembered of the frames before is of no use to those that follow.
+  void end_sequence() {
     for (SequenceState* state : {&state_, &first_half_, &second_half_}) state->end();
   }
 
@@ -206,33 +198,6 @@ class Run {
     done_ = step;
   }
 
-  std::vector<PicturePart> parts_of(const Frame& frame) const {
-    std::vector<PicturePart> parts;
-    if (job_.layers || job_.contributions || job_.unfiltered) {
-      DenoiseOptions how = how_;
-      how.progress = nullptr;  // the picture is what takes long
-      const std::vector<LayerPicture> layers = denoiser_->layers(frame, how);
-      for (size_t l = 0; l < layers.size(); ++l) {
-        const std::string name = fmt::format("layer{}", l);
-        const LayerPicture& layer = layers[l];
-        if (job_.layers) parts.push_back(layer_part(name, layer.radiance, layer.alpha, "A"));
-        if (job_.contributions)
-          parts.push_back(layer_part(name + ".contribution", layer.contribution, layer.weight, "weight"));
-        if (job_.unfiltered) parts.push_back(layer_part(name + ".unfiltered", layer.unfiltered, {}, ""));
-      }
-    }
-    for (const auto& [x, y] : job_.kernels_at) {
-      const std::vector<Image> kernels = denoiser_->kernels_at(frame, x, y);
-      for (size_t l = 0; l < kernels.size(); ++l)
-        parts.push_back({fmt::format("kernel.{}.{}.layer{}", x, y, l),
-                         kernels[l],
-                         {"Y"},
-                         x - kernels[l].width / 2,
-                         y - kernels[l].height / 2});
-    }
-    return parts;
-  }
-
   /// What users should know about the file.
   std::vector<std::string> write(const fs::path& output, const DenoisedParts& denoised,
                                  const InputFrame& input) const {
@@ -247,8 +212,9 @@ class Run {
     PictureLayers layers = {{"", with_alpha(denoised.picture, denoised.alpha)}};
     for (size_t i = 0; i < denoised.parts.size(); ++i)
       layers.emplace_back(input.frame.parts[i].name, denoised.parts[i]);
-    return write_picture(output, layers, input.original, parts_of(input.frame), job_.full_float, by,
-                         threads_);
+    std::vector<PicturePart> looked_at;
+    if (job_.wants_parts()) looked_at = parts_for_looking(job_, *denoiser_, input.frame, how_);
+    return write_picture(output, layers, input.original, looked_at, job_.full_float, by, threads_);
   }
 
   const DenoiseJob& job_;
@@ -293,7 +259,7 @@ DenoiseReport run_denoise_job(const DenoiseJob& job) {
       throw;  // it would be the same for every frame
     } catch (const Error& error) {
       if (job.tasks.size() == 1) throw;
-      run.fail_frame();
+      run.end_sequence();
       spdlog::error("{}", error.what());
       report.failed.push_back(task.inputs[0].string());
       report.frames.push_back({{"input", report.failed.back()}, {"error", error.what()}});

@@ -47,7 +47,7 @@ struct TakeRootsTile {
       mean({light.plane(c), 3 * light.pitch}, to);
       for (int64_t x = 0; x < pixels; ++x) {
         e[x] = std::min(e[x], float(kLargestEmission));
-        to[x] = root(std::max(to[x] - e[x], 0.0f)) / a[x];
+        to[x] = root(std::max(to[x] - float(1 + kLeastBesideEmission) * e[x], 0.0f)) / a[x];
       }
     }
     for (int64_t c = 0; c < 2; ++c) mean_of_feature(op.normal, c, seen.at(tile, 3 + c).data);

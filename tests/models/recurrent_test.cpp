@@ -144,17 +144,33 @@ TEST(Recurrent, SeesTheLightWithoutTextureAndEmission) {
   for (int64_t c = 0; c < 3; ++c) {
     EXPECT_NEAR(light.emission[0][c].item<double>(), emission[c], 1e-12) << c;
     EXPECT_NEAR(light.texture[0][c].item<double>(), std::pow(texture[c], 0.2), 1e-12) << c;
-    const double s = std::max(3.5 - emission[c], 0.0) / texture[c];
+    const double s = std::max(3.5 - emission[c] * (1 + 1.0 / 2048), 0.0) / texture[c];
     EXPECT_NEAR(light.seen[0][c].item<double>(), std::pow(s, 0.2), 1e-12) << c;
   }
   for (int64_t c = 0; c < 4; ++c) EXPECT_NEAR(light.seen[0][3 + c].item<double>(), seen[c], 1e-12) << c;
   // And back: the radiance where it is above what is emitted, else that.
   const Tensor back = light.picture(light.seen.narrow(1, 0, 3));
   for (int64_t c = 0; c < 3; ++c)
-    EXPECT_NEAR(back[0][c].item<double>(), std::max(3.5, emission[c]), 1e-12) << c;
+    EXPECT_NEAR(back[0][c].item<double>(), std::max(3.5 - emission[c] / 2048, emission[c]), 1e-12) << c;
   const Tensor reference = torch::full({1, 3, 1, 1}, 8, torch::kFloat64);
-  EXPECT_LE((light.picture(light.root(reference)) - 8).abs().max().item<double>(), 1e-12);
+  EXPECT_LE((light.picture(light.root(reference)) + light.emission / 2048 - 8).abs().max().item<double>(),
+            1e-12);
   EXPECT_TRUE(light.picture(torch::full({1, 3, 1, 1}, -4, torch::kFloat64)).equal(light.emission));
+}
+
+// Its emission comes back from the encoding with an error, whose fifth root would be large.
+TEST(Recurrent, ALampHasNoLightBesideItsEmission) {
+  const NetworkConfig config = small_recurrent_config();
+  for (const double value : {1e-38, 1e-3, 1.0, 0.3, 800.0, 65504.0}) {
+    NetworkInput input = to_type(recurrent_input(0, torch::kFloat32), torch::kFloat32);
+    input.valid.fill_(1);
+    input.radiance.fill_(value);
+    input.features.narrow(2, first_channel(config.features, "emission"), 3).fill_(tone_map(value));
+    const RecurrentInput light(input, config);
+    EXPECT_EQ(light.seen.narrow(1, 0, 3).abs().max().item<float>(), 0) << value;
+    EXPECT_LE((light.picture(light.seen.narrow(1, 0, 3)) / value - 1).abs().max().item<double>(), 1e-3)
+        << value;
+  }
 }
 
 TEST(Recurrent, PicturesStayFiniteAtTheExtremes) {

@@ -66,8 +66,8 @@ inline bool works_on_pixels(const NetworkConfig& config) {
 }
 
 /// Whether what it makes is a weighted mean of the samples, whatever its weights.
-inline bool averages(const NetworkConfig& config) {
-  const NetworkTraits& traits = network_traits(config.name);
+inline bool averages(const std::string& network) {
+  const NetworkTraits& traits = network_traits(network);
   return traits.upscaling == 1 && traits.filter != Filter::none;
 }
 
@@ -75,7 +75,7 @@ inline bool averages(const NetworkConfig& config) {
 inline std::vector<NetworkConfig> averaging_configs() {
   std::vector<NetworkConfig> configs;
   for (NetworkConfig& config : every_config())
-    if (averages(config)) configs.push_back(std::move(config));
+    if (averages(config.name)) configs.push_back(std::move(config));
   return configs;
 }
 
@@ -83,8 +83,7 @@ inline std::vector<NetworkConfig> averaging_configs() {
 inline std::vector<std::string> averaging_networks() {
   std::vector<std::string> names;
   for (const std::string& name : network_names())
-    if (network_traits(name).upscaling == 1 && network_traits(name).filter != Filter::none)
-      names.push_back(name);
+    if (averages(name)) names.push_back(name);
   return names;
 }
 

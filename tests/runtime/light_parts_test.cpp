@@ -14,7 +14,7 @@ namespace {
 std::vector<NetworkConfig> graphs_of_parts() {
   std::vector<NetworkConfig> configs;
   for (NetworkConfig& config : graph_configs())
-    if (averages(config)) configs.push_back(std::move(config));
+    if (averages(config.name)) configs.push_back(std::move(config));
   return configs;
 }
 

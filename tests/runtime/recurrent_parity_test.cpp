@@ -33,7 +33,7 @@ std::vector<NetworkConfig> recurrent_configs() {
   return configs;
 }
 
-/// moving_frame() with what its surfaces emit, some rays that escaped, and missing samples.
+/// moving_frame() with what its surfaces emit, lamps, some rays that escaped, and missing samples.
 Frame emitting_frame(int width, int height, int spp, uint32_t number) {
   const Frame from = moving_frame(width, height, spp, number);
   Frame frame(width, height, spp, kAllChannels);
@@ -49,6 +49,9 @@ Frame emitting_frame(int width, int height, int spp, uint32_t number) {
       for (int c = 0; c < kSampleChannels; ++c) frame.plane(s, c)[p] = drawn ? from.plane(s, c)[p] : 0;
       for (int c = 0; c < 3; ++c)
         frame.plane(s, kEmissionOffset + c)[p] = drawn && emits ? random.uniform(0.0F, 20.0F) : 0;
+      if (drawn && p % 7 == 2)  // a lamp, of which nothing but its emission is seen
+        for (int c = 0; c < 3; ++c)
+          frame.plane(s, c)[p] = frame.plane(s, kEmissionOffset + c)[p] = 500 + float(p % 300);
       if (drawn && escaped) frame.plane(s, kDepthOffset)[p] = kEscapedDepth;
     }
   return frame;

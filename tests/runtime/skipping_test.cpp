@@ -216,7 +216,7 @@ TEST(Skipping, LightReachOfNetworks) {
     const std::optional<graph::LightReach> reach = graph::light_reach(network_graph(config));
     const bool mean =
         config.name == "layer" || config.name == "sample_splat" ||
-        (works_on_pixels(config) && averages(config) && !network_traits(config.name).has_levels);
+        (works_on_pixels(config) && averages(config.name) && !network_traits(config.name).has_levels);
     ASSERT_EQ(reach.has_value(), mean) << full_title(config);
     if (mean) {
       EXPECT_EQ(reach->radius, config.kernel_size / 2) << full_title(config);
