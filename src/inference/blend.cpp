@@ -99,6 +99,32 @@ Frame half_of(const Frame& frame, int first) {
   return half;
 }
 
+HalfInPlace half_in_place(const Frame& frame, int first, const std::vector<std::string>& features) {
+  HalfInPlace half;
+  SampleArrays& arrays = half.arrays;
+  arrays.width = frame.width;
+  arrays.height = frame.height;
+  arrays.spp = (frame.spp - first + 1) / 2;
+  arrays.depth_scale = frame.info.depth_scale;
+  const auto plane = ptrdiff_t(frame.plane_size());
+  for (const std::string& name : features) {
+    if (!frame.holds(name)) continue;
+    const Feature& feature = find_feature(name);
+    arrays.features.push_back(
+        {&feature, {frame.plane(first, feature.offset), 2 * plane * frame.channels, plane, frame.width, 1}});
+  }
+  for (int s = first; s < frame.spp; s += 2)
+    half.valid.insert(half.valid.end(), frame.valid_plane(s), frame.valid_plane(s) + plane);
+  arrays.valid = half.valid.data();
+  return half;
+}
+
+int64_t blend_bytes(const Frame& frame) {
+  const int64_t planes = 4 + 4 + 2, images = 3 * 3 + 3 + 1 + 3;  // what is there at once, of both kinds
+  return int64_t(frame.plane_size()) *
+         (planes * int64_t(sizeof(double)) + images * int64_t(sizeof(float)) + (frame.spp + 1) / 2);
+}
+
 Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& first, const Image& second) {
   if (!can_blend(frame))
     fail("blending with the mean needs two samples a pixel or more, found {}", frame.spp);

@@ -6,7 +6,12 @@
 // noise is independent and known.
 #pragma once
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "frame/frame.h"
+#include "frame/sample_arrays.h"
 
 namespace ld {
 
@@ -21,6 +26,17 @@ bool can_blend(const Frame& frame);
 
 /// Every other sample, from the first or the second on.
 Frame half_of(const Frame& frame, int first);
+
+/// The same where the samples lie, which must stay there: `features` as far as the frame has them. To be
+/// moved, not copied.
+struct HalfInPlace {
+  std::vector<uint8_t> valid;
+  SampleArrays arrays;
+};
+HalfInPlace half_in_place(const Frame& frame, int first, const std::vector<std::string>& features);
+
+/// What blend_with_mean() takes at most, with its three pictures and what half_in_place() copies.
+int64_t blend_bytes(const Frame& frame);
 
 struct Blended {
   Image picture;  // [3, H, W]

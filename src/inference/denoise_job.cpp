@@ -53,7 +53,7 @@ class Run {
     how_.max_memory_bytes = job.max_memory_bytes;
     how_.skip_within = job.skip_within;
     how_.cancel = stop_requested;
-    how_.progress = [this](double share) { advance_to(int64_t(share * kSteps)); };
+    how_.progress = [this](double share) { advance_to(int64_t((share * part_ + before_) * kSteps)); };
     check_job(job, denoiser_ ? &*denoiser_ : nullptr, filter_ ? &*filter_ : nullptr);
   }
 
@@ -88,8 +88,12 @@ class Run {
     tell_what_was_taken(input);
     for (SequenceState* state : {&state_, &first_half_, &second_half_})
       state->advance(task.place, frame.width, frame.height, frame.info.cut);
+    const bool blends = job_.blend && can_blend(frame);
     const auto start = std::chrono::steady_clock::now();
     DenoisedParts denoised;
+    before_ = 0;
+    part_ = blends ? 0.5 : 1;
+    how_.memory_aside_bytes = blends ? -blend_bytes(frame) : 0;
     if (filter_)
       denoised.picture = filter_->denoise(frame, state_, threads_);
     else
@@ -99,7 +103,10 @@ class Run {
     if (backward_)
       future =
           backward_->mix_into(number, denoised, denoiser_->frames_held(state_, frame.width, frame.height));
-    if (job_.blend) blend(frame, denoised.picture);
+    if (blends)
+      blend(frame, denoised.picture);
+    else if (job_.blend)
+      tell_of_no_halves();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!job_.filter_alpha) denoised.alpha = kept_alpha(frame);
     const std::vector<std::string> notes = write(task.output, denoised, input);
@@ -157,23 +164,28 @@ class Run {
     return input;
   }
 
-  /// Of a half of the samples.
-  Image denoise_half(const Frame& half, SequenceState& state) {
-    DenoiseOptions how = how_;
-    how.progress = nullptr;
-    return filter_ ? filter_->denoise(half, state, threads_) : denoiser_->denoise(half, how, &state);
+  /// Of the half of the samples from the first or the second on. A budget counts what blending has still to
+  /// take, so that it is as large as when the picture was made.
+  Image denoise_half(const Frame& frame, int first, SequenceState& state) {
+    part_ = 0.25;
+    before_ = 0.5 + part_ * first;
+    if (filter_) return filter_->denoise(half_of(frame, first), state, threads_);
+    const HalfInPlace half = half_in_place(frame, first, denoiser_->network_config().features);
+    const int64_t picture = 3 * int64_t(sizeof(float)) * int64_t(frame.plane_size()),
+                  there = (1 + first) * picture + int64_t(half.valid.size());
+    how_.memory_aside_bytes = frame.bytes() - (blend_bytes(frame) - there);
+    return denoiser_->denoise_parts(half.arrays, how_, &state).picture;
   }
 
   void blend(const Frame& frame, Image& picture) {
-    if (!can_blend(frame)) {
-      if (!told_of_blending_)
-        spdlog::warn("one sample a pixel has no halves to compare: such pictures are not blended");
-      told_of_blending_ = true;
-      return;
-    }
-    const Image first = denoise_half(half_of(frame, 0), first_half_),
-                second = denoise_half(half_of(frame, 1), second_half_);
+    const Image first = denoise_half(frame, 0, first_half_), second = denoise_half(frame, 1, second_half_);
     picture = blend_with_mean(frame, picture, first, second).picture;
+  }
+
+  void tell_of_no_halves() {
+    if (!told_of_blending_)
+      spdlog::warn("one sample a pixel has no halves to compare: such pictures are not blended");
+    told_of_blending_ = true;
   }
 
   /// Of the first frame: the others are alike.
@@ -228,6 +240,7 @@ class Run {
   DenoiseOptions how_;
   SequenceState state_, first_half_, second_half_;  // of the samples, where pictures are blended
   int64_t done_ = 0;
+  double before_ = 0, part_ = 1;  // shares of the frame's work: what is done, what is being done
   bool told_ = false, told_of_blending_ = false;
 };
 

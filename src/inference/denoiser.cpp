@@ -75,7 +75,8 @@ struct Denoiser::State {
       fail("a frame of {}x{} pixels at {} samples; expected at least one sample and pixel", picture.width,
            picture.height, picture.samples);
     malloc_trim(0);  // what earlier plans have freed
-    const int64_t base = std::max<int64_t>(resident_bytes() - input.aside, 0) + kThreads;
+    const int64_t base =
+        std::max<int64_t>(resident_bytes() - input.aside - options.memory_aside_bytes, 0) + kThreads;
     auto made = plan(of, picture, threads_of(options), 0, options.skip_within);
     if (options.max_memory_bytes <= 0) return made;
     while (base + made->memory_bytes() > options.max_memory_bytes) {

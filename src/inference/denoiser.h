@@ -27,6 +27,9 @@ struct DenoiseOptions {
   /// What the process may take while it denoises, the frame itself aside: program, libraries, weights and
   /// everything that is computed. 0: no limit.
   int64_t max_memory_bytes = 0;
+  /// What else the process has that the limit does not count; below 0: what it will take beside and after it,
+  /// and the limit counts.
+  int64_t memory_aside_bytes = 0;
   /// Work whose result is known beforehand is left out. So the picture x is another by at most skip_within (1
   /// + |x|): absolute for dark and relative for bright light. 0: by no bit. Nothing: no work is left out.
   /// Networks that remember, blend resolutions or predict light have nothing to leave out but what is the

@@ -3,10 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
+#include <string>
 
+#include "core/error.h"
 #include "core/random.h"
+#include "frame/frame_file.h"
+#include "inference/denoise_job.h"
+#include "inference/denoiser.h"
+#include "models/network_config.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_frame.h"
+#include "tests/support/temporary_folder.h"
+#include "weights/weight_file.h"
 
 namespace ld {
 namespace {
@@ -114,6 +123,50 @@ TEST(Blend, HalvesHaveEveryOtherSample) {
   EXPECT_EQ(second.plane(1, kRadianceOffset)[20], frame.plane(3, kRadianceOffset)[20]);
   EXPECT_EQ(second.valid_plane(0)[4], frame.valid_plane(1)[4]);
   EXPECT_EQ(first.info.depth_scale, frame.info.depth_scale);
+}
+
+TEST(Blend, HalvesInPlaceGiveTheSameBits) {
+  Frame frame = random_frame(31, 17, 5, 9);
+  for (size_t i = 3; i < frame.valid.size(); i += 5) frame.valid[i] = 0;
+  sanitise(frame);
+  frame.info.depth_scale = 2;
+  DenoiseOptions one;
+  one.threads = 1;
+  for (const char* name : {"common_fast", "means"}) {
+    const Denoiser denoiser(resolve_model(name));
+    for (const int first : {0, 1}) {
+      const HalfInPlace half = half_in_place(frame, first, denoiser.network_config().features);
+      EXPECT_EQ(denoiser.denoise_parts(half.arrays, one).picture.pixels,
+                denoiser.denoise(half_of(frame, first), one).pixels)
+          << name << " " << first;
+    }
+  }
+}
+
+// The bits are those without a budget, and the smallest one that the error names is enough.
+TEST(Blend, StaysWithinAMemoryBudget) {
+  const TemporaryFolder folder;
+  write_frame(folder / "in.exr", random_frame(211, 120, 6, 9));
+  DenoiseJob job;
+  job.model = resolve_model("common_fast");
+  job.threads = 1;
+  job.blend = true;
+  job.tasks = plan_tasks({(folder / "in.exr").string()}, (folder / "free.exr").string(), std::nullopt, false);
+  run_denoise_job(job);
+  job.tasks[0].output = folder / "bounded.exr";
+  job.max_memory_bytes = 1 << 20;
+  std::string refusal;
+  try {
+    run_denoise_job(job);
+  } catch (const UsageError& error) {
+    refusal = error.what();
+  }
+  std::smatch smallest;
+  ASSERT_TRUE(std::regex_search(refusal, smallest, std::regex("at 6 samples.*smallest is ([0-9]+) MB")))
+      << refusal;
+  job.max_memory_bytes = (std::stoll(smallest[1]) + 2) << 20;  // for what the error itself has taken
+  run_denoise_job(job);
+  EXPECT_EQ(read_image(folder / "bounded.exr").pixels, read_image(folder / "free.exr").pixels);
 }
 
 TEST(Blend, IsFiniteAndBetweenItsTwoPicturesAtTheExtremes) {
