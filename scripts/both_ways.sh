@@ -4,6 +4,9 @@
 # Denoises the test sequences at two samples a pixel forwards and both ways, prints a table and writes it to OUT/table.md.
 # Environment: BIN.
 set -euo pipefail
+cd "$(dirname "$0")/.."
+[ $# -ge 3 ] || { sed -n '2,5s/^# //p' "$0" >&2; exit 2; }
+[ -e "$1/manifest.json" ] || { echo "both_ways.sh: there is no data set $1; expected a folder with manifest.json" >&2; exit 2; }
 bin=${BIN:-build/bin}
 data=$1 out=$2
 shift 2

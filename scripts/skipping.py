@@ -18,10 +18,12 @@ from pathlib import Path
 def denoise(options, frame, within, folder):
     """Seconds and shares of one run, and its picture."""
     picture, report = folder / f"{within}.exr", folder / "report.json"
-    subprocess.run(
+    done = subprocess.run(
         [f"{options.bin}/ld_denoise", "--model", options.model, "--skip-within", within, "--float",
          "--json", report, "--output", picture, frame],
-        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"skipping.py: {done.stderr.strip().splitlines()[-1]}")
     (one,) = json.loads(report.read_text())
     return one["seconds"], one["skipped"], picture
 

@@ -21,8 +21,8 @@ def main():
     parser.add_argument("eval", type=Path)
     parser.add_argument("out")
     parser.add_argument("frames", help="FIRST:LAST")
-    parser.add_argument("--row", type=int, default=-1, help="of the slice; default: two thirds down")
-    parser.add_argument("--methods", nargs="*", help="default: all of the strip")
+    parser.add_argument("--row", type=int, help="of the slice; default: two thirds down")
+    parser.add_argument("--methods", nargs="+", help="default: all of the strip")
     options = parser.parse_args()
     frames = re.fullmatch(r"(.*?)(\d+):\1(\d+)", options.frames)
     if not frames:
@@ -30,16 +30,22 @@ def main():
     stem, start, last = frames.groups()
     strips = [options.eval / "strips" / f"{stem}{number:0{len(start)}}.png" for number in range(int(start), int(last) + 1)]
     count = len(strips)
+    if not (options.eval / "metrics.json").exists():
+        parser.error(f"there is no {options.eval / 'metrics.json'}; ld_eval --report-frames N --out {options.eval} writes it")
     known = [*json.loads((options.eval / "metrics.json").read_text())["methods"]]
     known = [*(name for name in known if name not in ("reference", "floor")), "reference"]
     if unknown := set(options.methods or []) - set(known):
         parser.error(f"no method is named {', '.join(sorted(unknown))}; {options.eval} has {', '.join(known)}")
+    if not strips:
+        parser.error(f"frames {options.frames}: the last comes before the first")
     if missing := [strip for strip in strips if not strip.exists()]:
         parser.error(f"there is no {missing[0]}; ld_eval leaves strips of so many frames as --report-frames says")
     size = subprocess.run(["oiiotool", "--info", str(strips[0])], capture_output=True, text=True, check=True).stdout
     across, down = map(int, re.search(r"(\d+)\s*x\s*(\d+)", size).groups())
     width, height = (across + GAP) // len(known) - GAP, down - TITLE
-    row = options.row if options.row >= 0 else height * 2 // 3
+    row = height * 2 // 3 if options.row is None else options.row
+    if not 0 <= row < height:
+        parser.error(f"--row {row}: the pictures have the rows 0 to {height - 1}")
     command = ["oiiotool"]
     chosen = options.methods or known
     for method in chosen:

@@ -61,6 +61,9 @@ class Application {
   std::string json_path_;
 };
 
+/// A number from `least` to `most`; NaN is none.
+CLI::Validator number_within(double least, double most);
+
 /// An option that may be given several times, one value each, so that it never takes a positional argument
 /// for its own.
 inline CLI::Option* repeated(CLI::Option* option) {

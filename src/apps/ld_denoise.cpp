@@ -56,19 +56,20 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--movie", o.movie,
                  "then also make a film of the pictures (.mp4, .webm) by ffmpeg (default: none)");
   app.add_option("--fps", o.frames_a_second, "frames a second of --movie")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(ld::number_within(0.1, 1000))
       ->capture_default_str();
   app.add_option("--frames", o.frames, "A:B denoises frames A to B - 1 (default: all that there are)");
   app.add_option("--samples", o.samples, "only the first so many samples of each frame (default: all)")
       ->check(CLI::Range(1, 4096));
   app.add_flag("--skip-existing", o.skip_existing, "leave pictures alone that are there already");
-  app.add_option("--max-memory", o.max_memory,
-                 "MB that the process may take, the samples of the input aside (default: no bound)")
-      ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
   app.add_option(
-         "--skip-within", o.skip_within,
-         "leave out work that changes the picture x by at most so much times 1 + x; 0: by no bit; off: "
-         "leave nothing out")
+         "--max-memory", o.max_memory,
+         "with models: MB that the process may take, the samples of the input aside (default: no bound)")
+      ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
+  app.add_option("--skip-within", o.skip_within,
+                 "with models: leave out work that changes the picture x by at most so much times 1 + x; 0: "
+                 "by no bit; off: "
+                 "leave nothing out")
       ->capture_default_str();
   app.add_flag("--float", o.full_float, "full floats in EXR (default: half)");
   ld::repeated(

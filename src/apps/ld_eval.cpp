@@ -61,7 +61,7 @@ void declare(CLI::App& app, Options& options) {
                  "mp4 or webm: films of the sequences, side by side, by ffmpeg (default: none)")
       ->check(CLI::IsMember({"mp4", "webm"}));
   app.add_option("--fps", options.movies.frames_a_second, "frames a second of --movies")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(ld::number_within(0.1, 1000))
       ->capture_default_str();
   app.add_flag("--per-frame", options.per_frame, "also print a row for each frame");
   app.add_option("--report-frames", options.report.frames, "pictures of so many frames go into report.html")

@@ -61,7 +61,7 @@ void declare(CLI::App& options, Request& request) {
                      "weights to average with those of --model, such as those that its training began with: "
                      "what it learnt without all that it forgot (default: none)");
   options.add_option("--mix-share", request.mix_share, "share of the weights of --mix")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(ld::number_within(0, 1))
       ->capture_default_str();
   options
       .add_option(
@@ -83,7 +83,7 @@ void declare(CLI::App& options, Request& request) {
       .add_option("--allowed", request.allowed,
                   "largest relative difference between the ONNX graph and the C++ network (default: 0.0001); "
                   "with --dtype i8, how much larger than in float32 the SMAPE may be (default: 0.01)")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(ld::number_within(0, 1));
   options.add_option("--card", request.card,
                      "also write a page about the file for people (.md; default: nowhere)");
 }

@@ -15,17 +15,17 @@ void declare(CLI::App& app, ld::TuneOptions& options, std::string& at) {
       ->required();
   CLI::Option* budget = app.add_option("--budget-ms", options.requirement.budget_ms,
                                        "find the lowest error within so many milliseconds a frame")
-                            ->check(CLI::PositiveNumber);
+                            ->check(ld::number_within(1e-6, 1e9));
   app.add_option("--target-smape", options.requirement.target_smape,
                  "instead: find the fastest model with this mean SMAPE on the validation split")
-      ->check(CLI::Range(1e-6, 1.0))
+      ->check(ld::number_within(1e-6, 1))
       ->excludes(budget);
   app.add_option("--at", at, "WIDTHxHEIGHT of the frames whose time counts (default: that of the data)");
   app.add_option("--samples", options.samples,
                  "samples a pixel, in training and use (default: all that frames have)")
       ->check(CLI::Range(1, 4096));
   app.add_option("--minutes", options.minutes, "of training, all trials together")
-      ->check(CLI::Range(1e-3, 1e6))
+      ->check(ld::number_within(1e-3, 1e6))
       ->capture_default_str();
   app.add_option("--out", options.out, "weights to write (.safetensors); a card (.md) comes beside them")
       ->required();
@@ -60,7 +60,9 @@ int main(int argc, char** argv) {
     options.threads = app.threads();
     const auto result = ld::tune(options);
     if (!result) {
-      spdlog::warn("stopped; the same command goes on from {}", options.folder().string());
+      spdlog::warn(std::filesystem::exists(options.folder()) ? "stopped; the same command goes on from {}"
+                                                             : "stopped before {} was begun",
+                   options.folder().string());
       return;
     }
     app.write_json(*result);

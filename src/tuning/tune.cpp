@@ -28,10 +28,13 @@ fs::path shipped_config(const std::string& name) {
   return fs::is_regular_file(installed) ? installed : fs::path(LD_CONFIGS) / name;
 }
 
-TrainConfig shared_config(const TuneOptions& options, const DataSurvey& survey) {
+TrainConfig read_shared_config(const TuneOptions& options) {
   const fs::path file =
       options.config.empty() ? shipped_config("samples_fast.yaml") : fs::path(options.config);
-  TrainConfig config = read_train_config(file, options.overrides);
+  return read_train_config(file, options.overrides);
+}
+
+TrainConfig with_data(TrainConfig config, const TuneOptions& options, const DataSurvey& survey) {
   if (options.seed) config.seed = *options.seed;
   config.init.clear();
   config.data.path = options.data.string();
@@ -86,9 +89,10 @@ std::pair<int64_t, int64_t> parse_size(const std::string& text) {
 }
 
 std::optional<nlohmann::ordered_json> tune(const TuneOptions& options) {
+  const TrainConfig config = read_shared_config(options);  // what is wrong in it is told first
   const DataSurvey survey = survey_data(options.data, options.samples, options.threads);
   if (stop_requested()) return std::nullopt;
-  const TrainConfig shared = shared_config(options, survey);
+  const TrainConfig shared = with_data(config, options, survey);
   PictureExtent picture{survey.samples, survey.height, survey.width};
   if (options.at) std::tie(picture.width, picture.height) = *options.at;
   const fs::path folder = options.folder();

@@ -75,6 +75,9 @@ TEST_F(LdTune, WhatCannotBeIsOneErrorAndLeavesNoModel) {
   expect_failure(tune({}), 2, {"--budget-ms", "--target-smape"});
   expect_failure(tune({"--budget-ms", "20", "--at", "1920"}), 2, {"--at 1920", "1920x1080"});
   expect_failure(tune({"--budget-ms", "20", "loss=smope"}), 2, {"smape"});
+  for (const std::string wrong : {"nan", "0", "-5", "inf", "x"})
+    expect_failure(tune({"--budget-ms=" + wrong}), 2, {"--budget-ms", "expected a number from 1e-06", wrong});
+  expect_failure(tune({"--target-smape", "nan"}), 2, {"expected a number from 1e-06 to 1, found 'nan'"});
   expect_failure(tune({"--budget-ms", "1e-6"}), 1, {"within 1e-06 ms", "the cheapest", "--budget-ms"});
   expect_failure(run_program("ld_tune", {"--data", (folder_ / "none").string(), "--budget-ms", "9", "--out",
                                          out_.string()}),
