@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "tuning/released_start.h"
+
 namespace ld {
 namespace {
 
@@ -86,7 +88,9 @@ Candidate make(const TrainConfig& base, const DataSurvey& survey, const Network&
   made.unet.bottleneck = size.bottleneck;
   made.unet.decoder = size.decoder;
   made.unet.context = size.context;
-  return with_features(std::move(candidate), survey.used());
+  candidate = with_features(std::move(candidate), survey.used());
+  candidate.config.init = released_start(made);
+  return candidate;
 }
 
 }  // namespace

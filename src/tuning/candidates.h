@@ -13,7 +13,7 @@ struct Candidate {
   std::string name;     // "layer2_fast_k9": network, size, taps a side
   std::string network;  // "layer2"; candidates of one network differ in size and kernel alone
   std::string size;     // "fast"
-  TrainConfig config;   // `init`, `run.minutes` and the like are a trial's
+  TrainConfig config;   // `init`: released weights to begin with; `run.minutes` and the like are a trial's
 };
 
 /// What one network sees and makes, in words: "two layers of samples".
@@ -22,7 +22,8 @@ std::string network_words(const std::string& network);
 /// Every candidate for such data, in the order in which they deserve to be tried where there is no time for
 /// all: each network at the middle size first, then the other sizes, then other kernels. `base` has all that
 /// candidates share: loss, optimiser, crops; and of networks the initialisation and the like. They read
-/// survey.used(), and demodulate where there is an albedo.
+/// survey.used(), demodulate where there is an albedo, and begin with the released weights of their network
+/// where there are some.
 std::vector<Candidate> candidate_space(const TrainConfig& base, const DataSurvey& survey);
 
 /// The same candidate with other features.

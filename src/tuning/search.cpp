@@ -54,6 +54,9 @@ bool Search::admit(const std::vector<Candidate>& space) {
   outcome_.points = admission->points;
   outcome_.plan = admission->plan;
   say(admission->sentence);
+  for (const Point& point : outcome_.points)
+    if (!point.candidate.config.init.empty())
+      say(fmt::format("{} begins with the released weights {}.", point.name, point.candidate.config.init));
   spdlog::info("{}", plan_text(outcome_.plan));
   return true;
 }
@@ -61,7 +64,8 @@ bool Search::admit(const std::vector<Candidate>& space) {
 std::optional<TrialResult> Search::train(const std::string& name, Candidate candidate, double minutes,
                                          const std::string& begins_with) {
   candidate.config.run.minutes = minutes;
-  if (!begins_with.empty()) candidate.config.optimizer.one_cycle.rise = kRiseAgain;
+  if (!begins_with.empty() || !candidate.config.init.empty())
+    candidate.config.optimizer.one_cycle.rise = kRiseAgain;
   return tools_.run({name, candidate.config, begins_with});
 }
 

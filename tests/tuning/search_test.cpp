@@ -200,6 +200,23 @@ TEST(TuningCandidates, OneSampleAPixelLeavesTheMean) {
     EXPECT_EQ(candidate.network, "means");
 }
 
+TEST(TuningCandidates, BeginWithTheReleasedWeightsOfTheirNetwork) {
+  std::map<std::string, std::string> begins;
+  for (const Candidate& candidate : candidate_space({}, fake_survey())) EXPECT_EQ(candidate.config.init, "");
+  TrainConfig base;  // as configs/samples_fast.yaml has them
+  base.network.demodulation = "albedo";
+  base.network.logit_bound = 8;
+  base.network.rejection = true;
+  for (const Candidate& candidate : candidate_space(base, fake_survey()))
+    if (!candidate.config.init.empty()) begins[candidate.name] = candidate.config.init;
+  EXPECT_EQ(begins, (std::map<std::string, std::string>{{"layer2_fast_k9", "common_fast"},
+                                                        {"means_fine_k9", "means"},
+                                                        {"pixel_fine_k9", "common_fine"},
+                                                        {"pyramid_fine_k9", "pyramid_fine"}}));
+  for (const Candidate& candidate : candidate_space(base, fake_survey({"albedo"})))
+    EXPECT_EQ(candidate.config.init, "") << candidate.name << " does not demodulate";
+}
+
 TEST(TuningCandidates, AreNetworksOfTheFeaturesThatVary) {
   for (const Candidate& candidate : candidate_space({}, fake_survey({"lens", "coc", "albedo"}))) {
     const NetworkConfig& network = candidate.config.network;
