@@ -283,10 +283,10 @@ int main(int argc, char** argv) {
       return;
     }
     if (!report.failed.empty())
-      ld::fail(
-          "{} of {} frames failed, the first {}; the others are done, and --skip-existing does only what is "
-          "left",
-          report.failed.size(), job.tasks.size(), report.failed[0]);
+      ld::fail("{} of {} frames failed, the first {}; {}", report.failed.size(), job.tasks.size(),
+               report.failed[0],
+               report.finished() > 0 ? "the others are done, and --skip-existing does only what is left"
+                                     : "check the names and --frames");
     make_film(options, job);
   });
 }
