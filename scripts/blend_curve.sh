@@ -4,7 +4,7 @@
 #   scripts/blend_curve.sh [OUT]     (default: out/blend_curve)
 #
 # Renders two frames of 48x36 pixels with 4096 samples each and references of 16384, 0.6 GB, minutes on two cores; they are kept.
-# Prints a table of the mean relMSE and writes it to OUT/table.md. Environment: BIN, default build/bin.
+# Prints tables of the mean relMSE and SMAPE and writes them to OUT/table.md. Environment: BIN, default build/bin.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=${BIN:-build/bin} out=${1:-out/blend_curve}
@@ -39,10 +39,12 @@ import json, sys
 
 out, counts = sys.argv[1], sys.argv[2:]
 tables = {n: json.load(open(f"{out}/eval_{n}/metrics.json"))["methods"] for n in counts}
-print("| relMSE at samples | " + " | ".join(counts) + " |\n| :--- |" + " ---: |" * len(counts))
-for name in tables[counts[-1]]:
-    if name == "blur":
-        continue
-    row = [tables[n].get(name, tables[n].get(name.split("+")[0])) for n in counts]
-    print(f"| {name} | " + " | ".join(f"{cell['mean']['relmse']:.5f}" for cell in row) + " |")
+for metric, title in (("relmse", "relMSE"), ("smape", "SMAPE")):
+    print(f"| {title} at samples | " + " | ".join(counts) + " |\n| :--- |" + " ---: |" * len(counts))
+    for name in tables[counts[-1]]:
+        if name == "blur":
+            continue
+        row = [tables[n].get(name, tables[n].get(name.split("+")[0])) for n in counts]
+        print(f"| {name} | " + " | ".join(f"{cell['mean'][metric]:.4f}" for cell in row) + " |")
+    print()
 END
