@@ -60,10 +60,11 @@ void fill_uniform(Tensor& weight, const std::string& name, float bound, uint64_t
 std::vector<double> gaussian_logits(int64_t kernel, double sigma, double bound) {
   // Of a bounded logit: from half the bound at the centre to where its slope is 1 % of that at 0.
   const double top = bound > 0 ? 0.5 * bound : 0, least = -0.9 * bound;
+  const int64_t reach = kernel / 2;
   std::vector<double> logits;
   for (int64_t row = 0; row < kernel; ++row)
     for (int64_t column = 0; column < kernel; ++column) {
-      const auto dx = double(column - kernel / 2), dy = double(row - kernel / 2);
+      const auto dx = double(column - reach), dy = double(row - reach);
       double logit = top - (dx * dx + dy * dy) / (2 * sigma * sigma);
       if (bound > 0) {
         logit = std::max(logit, least);

@@ -36,10 +36,9 @@ ValueId add_upscaled(Graph& graph, const NetworkConfig& config, ValueId id) {
 
 }  // namespace
 
-ValueId add_blended_levels(Graph& graph, const NetworkConfig& config, ValueId logits, GraphLevel finest,
+ValueId add_blended_levels(Graph& graph, const NetworkConfig& config, ValueId logits, GraphLevel level,
                            const std::function<ValueId(const GraphLevel&, size_t)>& filtered) {
   std::vector<ValueId> read = {logits};
-  GraphLevel level = std::move(finest);
   for (int64_t i = 0; i < config.levels; ++i) {
     if (i > 0) level = add_halved(graph, level);
     const ValueId picture = filtered(level, size_t(i));

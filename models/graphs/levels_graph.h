@@ -13,10 +13,10 @@ struct GraphLevel {
   graph::ValueId pixels;
 };
 
-/// The levels below `finest`, each filtered by `filtered(level, its number)`, and all of them blended by
+/// `level`, the finest, and those below it, each filtered by `filtered(level, its number)`, blended by
 /// logits [1, levels] (models/level_blend.h).
 graph::ValueId add_blended_levels(graph::Graph& graph, const NetworkConfig& config, graph::ValueId logits,
-                                  GraphLevel finest,
+                                  GraphLevel level,
                                   const std::function<graph::ValueId(const GraphLevel&, size_t)>& filtered);
 
 }  // namespace ld

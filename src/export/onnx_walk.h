@@ -90,9 +90,6 @@ Value onnx_tone_map_inverse(OnnxGraph& g, const Value& mapped);
 /// features that are there, else -1.
 Value onnx_demodulator(OnnxGraph& g, const Value& features, int64_t albedo, int64_t specular);
 
-/// Over the valid items, [B, n, C, H, W] -> [B, 1, C, H, W].
-Value onnx_masked_mean(OnnxGraph& g, const Value& values, const Value& valid);
-
 /// c x / (c + |x|) (ops/fully_connected.h).
 Value onnx_bounded_softly(OnnxGraph& g, const Value& x, float c);
 
