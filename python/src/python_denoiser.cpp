@@ -158,7 +158,6 @@ std::vector<std::pair<std::string, int>> PythonDenoiser::features() const {
 std::vector<PictureArray> PythonDenoiser::denoise(const PythonSamples& samples,
                                                   const PythonDenoiseOptions& how) {
   const OneCall call(busy_);
-  check_skip_within(how.skip_within);
   std::vector<Pixels> pixels;
   const FrameBuffers buffers = buffers_of(samples, pixels);
   const FloatingPointSettings callers;

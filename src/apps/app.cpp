@@ -69,15 +69,20 @@ void Application::write_json(const nlohmann::ordered_json& json) const {
   if (!json_path_.empty()) write_file_atomically(json_path_, json.dump(2) + "\n");
 }
 
+std::optional<double> number_in(const std::string& text, double least, double most) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end || !(value >= least && value <= most)) return std::nullopt;
+  return value;
+}
+
 CLI::Validator number_within(double least, double most) {
   return CLI::Validator(
       [least, most](const std::string& text) {
-        double value = 0;
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, value);
-        const bool fits = error == std::errc() && stop == end && value >= least && value <= most;
-        return fits ? std::string()
-                    : fmt::format("expected a number from {:g} to {:g}, found '{}'", least, most, text);
+        return number_in(text, least, most)
+                   ? std::string()
+                   : fmt::format("expected a number from {:g} to {:g}, found '{}'", least, most, text);
       },
       fmt::format("in [{:g} - {:g}]", least, most));
 }

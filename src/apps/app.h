@@ -61,7 +61,10 @@ class Application {
   std::string json_path_;
 };
 
-/// A number from `least` to `most`; NaN is none.
+/// The text as a number from `least` to `most`; nothing where it is none, as NaN.
+std::optional<double> number_in(const std::string& text, double least, double most);
+
+/// Such a number.
 CLI::Validator number_within(double least, double most);
 
 /// An option that may be given several times, one value each, so that it never takes a positional argument

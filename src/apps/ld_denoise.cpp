@@ -146,11 +146,8 @@ std::pair<int, int> pixel_of(const std::string& text) {
 /// Of --skip-within; nothing for "off".
 std::optional<double> skip_within_of(const std::string& text) {
   if (text == "off") return std::nullopt;
-  double within = -1;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, within);
-  if (error != std::errc() || stop != end || !(within >= 0 && within <= 1))
-    ld::fail_command_line("--skip-within '{}': expected a number from 0 to 1, or off", text);
+  const std::optional<double> within = ld::number_in(text, 0, 1);
+  if (!within) ld::fail_command_line("--skip-within '{}': expected a number from 0 to 1, or off", text);
   return within;
 }
 

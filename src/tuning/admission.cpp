@@ -17,8 +17,7 @@ bool within(const Requirement& requirement, double ms, double factor) {
 [[noreturn]] void fail_budget(double budget_ms, const std::string& name, double ms, bool measured) {
   fail(
       "no candidate denoises a frame within {:g} ms: the cheapest, {}, {} {:.3g} ms; give a larger "
-      "--budget-ms, "
-      "a smaller --at, fewer --samples or more --threads",
+      "--budget-ms, a smaller --at, fewer --samples or more --threads",
       budget_ms, name, measured ? "took" : "should take", ms);
 }
 
