@@ -12,6 +12,7 @@
 # there are none yet, those of common_SIZE) on the same frames, those are replaced, with their card. Environment:
 #   NAMES   networks, in this order (default: common_fast common_fine means samples_fast samples_fine)
 #   CYCLES  how many cycles, over all networks (default: for ever)
+#   STEPS   length of a cycle in steps, in place of MINUTES: what else the machine does then changes nothing
 #   BIN     default build/bin
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,6 +23,8 @@ fi
 data=$1 minutes=${2:-60} bin=${BIN:-build/bin} out=out/release
 names=${NAMES:-common_fast common_fine means samples_fast samples_fine}
 cycles=${CYCLES:-0}
+length=("run.minutes=$minutes")
+if [ -n "${STEPS:-}" ]; then length=("steps=$STEPS"); fi
 export OMP_WAIT_POLICY=passive
 renice -n 19 $$ > /dev/null
 
@@ -56,8 +59,8 @@ train_cycle() {
   fi
   # Later cycles need no long rise.
   if [ ${#begin[@]} -gt 0 ]; then rate+=(optimizer.one_cycle.rise=0.1); fi
-  echo "== $name, cycle $n: ${begin[*]:-random weights}, $minutes minutes"
-  "$bin/ld_train" --config "configs/$name.yaml" "data.path=$data" "run.minutes=$minutes" "${begin[@]}" "${rate[@]}" --threads 1 --out "$run"
+  echo "== $name, cycle $n: ${begin[*]:-random weights}, ${length[*]}"
+  "$bin/ld_train" --config "configs/$name.yaml" "data.path=$data" "${length[@]}" "${begin[@]}" "${rate[@]}" --threads 1 --out "$run"
   touch "$run/done"
   local new old=inf card=${released%.safetensors}.md hours
   hours=$(python3 scripts/release_card.py hours "$card" "$run")

@@ -1,5 +1,7 @@
 #include "python_denoiser.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -118,10 +120,10 @@ SampleArrays arrays_of(const FrameBuffers& buffers, const SequenceDenoiser& deno
 }
 
 FilterArgument filter_argument(const std::string& kind, const std::vector<std::string>& settings) {
-  std::vector<std::string> none;
-  FilterArgument argument = parse_filter_arguments({kind}, none).front();
-  argument.assignments = settings;
-  return argument;
+  const std::vector<std::string> kinds = filter_kinds();
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+    fail_usage("no filter is named '{}'; expected {}", kind, fmt::join(kinds, " or "));
+  return {kind, kind, settings};
 }
 
 std::optional<Matrix4> matrix_of(const std::vector<float>& values) {

@@ -19,7 +19,7 @@ Application::Application(std::string name, const std::string& description)
   options_
       .add_option("--threads", threads_,
                   "threads to use (default: OMP_NUM_THREADS, else the CPUs of this process)")
-      ->check(CLI::Range(1, 4096));
+      ->check(whole_number_within(1, 4096));
   options_.add_option("--seed", seed_, "random seed (default: that of the recipe or config, else 1)");
   options_.add_option("--json", json_path_, "also write the result as JSON to this file (default: nowhere)");
 }
@@ -85,6 +85,19 @@ CLI::Validator number_within(double least, double most) {
                    : fmt::format("expected a number from {:g} to {:g}, found '{}'", least, most, text);
       },
       fmt::format("in [{:g} - {:g}]", least, most));
+}
+
+CLI::Validator whole_number_within(int64_t least, int64_t most) {
+  return CLI::Validator(
+      [least, most](const std::string& text) {
+        int64_t value = 0;
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        return error == std::errc() && stop == end && value >= least && value <= most
+                   ? std::string()
+                   : fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text);
+      },
+      fmt::format("in [{} - {}]", least, most));
 }
 
 }  // namespace ld

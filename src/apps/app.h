@@ -67,6 +67,9 @@ std::optional<double> number_in(const std::string& text, double least, double mo
 /// Such a number.
 CLI::Validator number_within(double least, double most);
 
+/// The same of a whole number.
+CLI::Validator whole_number_within(int64_t least, int64_t most);
+
 /// An option that may be given several times, one value each, so that it never takes a positional argument
 /// for its own.
 inline CLI::Option* repeated(CLI::Option* option) {

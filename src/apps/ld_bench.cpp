@@ -175,9 +175,9 @@ void declare_tradeoff(CLI::App& command, Options& options) {
   command
       .add_option("--samples", tradeoff.samples,
                   "only the first so many samples of each frame (default: all)")
-      ->check(CLI::Range(1, 4096));
+      ->check(ld::whole_number_within(1, 4096));
   command.add_option("--repeats", tradeoff.repeats, "timed runs of each model on each frame")
-      ->check(CLI::Range(1, 1000))
+      ->check(ld::whole_number_within(1, 1000))
       ->capture_default_str();
   command.add_option("--out", options.out,
                      "folder for tradeoff.md and tradeoff.svg (default: the table is printed, no more)");
@@ -196,7 +196,7 @@ void declare_loader(CLI::App& command, ld::LoaderBench& loader) {
                                   "LEAST,MOST: samples that a batch draws (default: all)"))
       ->delimiter(',');
   command.add_option("--epochs", loader.epochs, "of each measurement")
-      ->check(CLI::Range(2, 1000))
+      ->check(ld::whole_number_within(2, 1000))
       ->capture_default_str();
 }
 
@@ -219,7 +219,7 @@ Commands declare(CLI::App& app, Options& options) {
        {commands.ops, commands.network, commands.render, commands.filters, commands.config}) {
     command->fallthrough();  // --json, --threads after the subcommand
     command->add_option("--repeats", options.measure.repeats, "timed runs of each row")
-        ->check(CLI::Range(1, 1000))
+        ->check(ld::whole_number_within(1, 1000))
         ->capture_default_str();
     command->add_flag("--quick", options.sizes.quick, "small networks, tiny pictures, one run: a test");
   }
@@ -237,7 +237,7 @@ Commands declare(CLI::App& app, Options& options) {
       commands.network->add_option(
           "--spp", options.spp, "numbers of samples, ascending, with commas, for cost and time by samples"))
       ->delimiter(',')
-      ->check(CLI::Range(1, 4096))
+      ->check(ld::whole_number_within(1, 4096))
       ->capture_default_str();
   app.require_subcommand(1);
   app.footer(

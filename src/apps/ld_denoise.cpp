@@ -20,13 +20,15 @@
 
 namespace {
 
+constexpr const char* kSkipWithin = "1e-4";
+
 struct Options {
   std::string model = "common", filter, output, noisy, frames, preset, mapping, camera, view;
   std::string alpha = "copy";
   bool blend = false, both_ways = false;
   std::vector<std::string> inputs, assignments, aovs, kernels_at, also;
   int64_t max_memory = 0;  // MB
-  std::string skip_within = "1e-4";
+  std::optional<std::string> skip_within;
   std::string movie;
   double frames_a_second = 24;
   int samples = 0;
@@ -60,17 +62,17 @@ void declare(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_option("--frames", o.frames, "A:B denoises frames A to B - 1 (default: all that there are)");
   app.add_option("--samples", o.samples, "only the first so many samples of each frame (default: all)")
-      ->check(CLI::Range(1, 4096));
+      ->check(ld::whole_number_within(1, 4096));
   app.add_flag("--skip-existing", o.skip_existing, "leave pictures alone that are there already");
   app.add_option(
          "--max-memory", o.max_memory,
          "with models: MB that the process may take, the samples of the input aside (default: no bound)")
-      ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
+      ->check(ld::whole_number_within(1, int64_t{1} << 30));
   app.add_option("--skip-within", o.skip_within,
                  "with models: leave out work that changes the picture x by at most so much times 1 + x; 0: "
                  "by no bit; off: "
                  "leave nothing out")
-      ->capture_default_str();
+      ->default_str(kSkipWithin);
   app.add_flag("--float", o.full_float, "full floats in EXR (default: half)");
   ld::repeated(
       app.add_option("--also", o.also,
@@ -209,7 +211,9 @@ ld::DenoiseJob job_of(Options o) {
   job.tasks = ld::plan_tasks(inputs, o.output, range, job.render.mapping.has_value());
   if (!job.filter) job.model = ld::resolve_model(model_for(o, job, first));
   job.max_memory_bytes = o.max_memory * ld::kBudgetMegabyte;
-  job.skip_within = skip_within_of(o.skip_within);
+  if (job.filter && o.skip_within)
+    ld::fail_command_line("--skip-within goes with models; the filter {} leaves nothing out", o.filter);
+  job.skip_within = skip_within_of(o.skip_within.value_or(kSkipWithin));
   job.samples = o.samples;
   job.skip_existing = o.skip_existing;
   job.full_float = o.full_float;

@@ -48,9 +48,9 @@ void declare(CLI::App& app, Options& options) {
       "--baseline", options.baseline,
       "what the others are compared with: one of their names, noisy or blur (default: the first given)");
   app.add_option("--frames-limit", options.frames_limit, "only the first so many frames (default: all)")
-      ->check(CLI::Range(1, 1'000'000));
+      ->check(ld::whole_number_within(1, 1'000'000));
   app.add_option("--samples", options.samples, "only the first so many samples of each frame (default: all)")
-      ->check(CLI::Range(1, 4096));
+      ->check(ld::whole_number_within(1, 4096));
   ld::repeated(app.add_option("--metrics", options.metrics,
                               "besides relMSE, SMAPE, SSIM and PSNR: flip, hdr_flip, separated by commas, or "
                               "repeated (default: none)"))
@@ -65,15 +65,15 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--per-frame", options.per_frame, "also print a row for each frame");
   app.add_option("--report-frames", options.report.frames, "pictures of so many frames go into report.html")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(ld::whole_number_within(0, 1'000'000))
       ->capture_default_str();
   app.add_option("--report-side", options.report.side,
                  "the report shows the middle of larger pictures, so many pixels a side")
-      ->check(CLI::Range(1, 16384))
+      ->check(ld::whole_number_within(1, 16384))
       ->capture_default_str();
   app.add_option("--report-sequences", options.report.most_sequences,
                  "with --sequences, so many of them play in report.html")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(ld::whole_number_within(0, 1'000'000))
       ->capture_default_str();
   app.add_flag_callback(
       "--formulas",

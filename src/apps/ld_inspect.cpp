@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   app.options()
       .add_option("--frames", options.frames,
                   "of a data set, examine the samples of so many frames only, spread over it (default: all)")
-      ->check(CLI::Range(1, 1'000'000));
+      ->check(ld::whole_number_within(1, 1'000'000));
   app.options().footer(
       "Examples:\n"
       "  ld_inspect out/quickstart/data\n"

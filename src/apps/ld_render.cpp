@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
       .add_option(
           "--views", views,
           "with --scene: so many views, the file's cameras first (default: its cameras, at least one)")
-      ->check(CLI::Range(int64_t{1}, int64_t{1000000}));
+      ->check(ld::whole_number_within(1, 1000000));
   app.options().add_option("--out", folder, "folder of the data set; needed unless --preview is there");
   app.options().add_option("--frames", range,
                            "A:B renders frames A to B - 1 of the recipe only (default: all)");
@@ -56,11 +56,11 @@ int main(int argc, char** argv) {
                            "PNG to write instead: a contact sheet of the recipe's random scenes");
   app.options()
       .add_option("--columns", columns, "pictures in a row of the contact sheet")
-      ->check(CLI::Range(1, 1000))
+      ->check(ld::whole_number_within(1, 1000))
       ->capture_default_str();
   app.options()
       .add_option("--preview-spp", preview_spp, "paths a pixel of the contact sheet")
-      ->check(CLI::Range(1, 65536))
+      ->check(ld::whole_number_within(1, 65536))
       ->capture_default_str();
   app.options().add_option(
       "overrides", overrides,

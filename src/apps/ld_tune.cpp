@@ -23,7 +23,7 @@ void declare(CLI::App& app, ld::TuneOptions& options, std::string& at) {
   app.add_option("--at", at, "WIDTHxHEIGHT of the frames whose time counts (default: that of the data)");
   app.add_option("--samples", options.samples,
                  "samples a pixel, in training and use (default: all that frames have)")
-      ->check(CLI::Range(1, 4096));
+      ->check(ld::whole_number_within(1, 4096));
   app.add_option("--minutes", options.minutes, "of training, all trials together")
       ->check(ld::number_within(1e-3, 1e6))
       ->capture_default_str();

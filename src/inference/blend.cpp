@@ -34,8 +34,8 @@ Estimate estimate(const Frame& frame, int channel, size_t pixel, int first, int 
 
 /// What a pixel says of the errors, each a mean over the channels.
 struct Evidence {
-  std::vector<double> known, variance, bias, bias_squared;
-  explicit Evidence(size_t pixels) : known(pixels), variance(pixels), bias(pixels), bias_squared(pixels) {}
+  std::vector<double> known, variance, bias, bias_variance;
+  explicit Evidence(size_t pixels) : known(pixels), variance(pixels), bias(pixels), bias_variance(pixels) {}
 };
 
 /// d^2 - v over h^2 + epsilon, each ratio formed before it is squared, so that nothing overflows.
@@ -59,24 +59,21 @@ Evidence gather(const Frame& frame, const Image& first, const Image& second) {
       };
       const double h1 = first.plane(c)[p], h2 = second.plane(c)[p];
       const double scale = std::hypot(0.5 * h1 + 0.5 * h2, std::sqrt(kEpsilon));
-      const double q = 0.5 * (excess(h1, spread(b)) + excess(h2, spread(a)));
+      const double of_first = excess(h1, spread(b)), of_second = excess(h2, spread(a));
       evidence.known[p] = 1;
       evidence.variance[p] += all.variance / scale / scale / 3;
-      evidence.bias[p] += q / 3;
+      evidence.bias[p] += (0.5 * of_first + 0.5 * of_second) / 3;
+      evidence.bias_variance[p] += (0.5 * of_first - 0.5 * of_second) / 3;
     }
-  for (size_t p = 0; p < frame.plane_size(); ++p)
-    evidence.bias_squared[p] = evidence.bias[p] * evidence.bias[p];
+  for (double& apart : evidence.bias_variance) apart *= apart;
   return evidence;
 }
 
 /// a of a pixel of that variance in a window of so many known pixels, with the sums of what they say.
 double share_of_denoised(double own_variance, double count, double variance, double bias,
-                         double bias_squared) {
+                         double bias_variance, double confidence) {
   if (!(variance > 0)) return 0;
-  const double mean = bias / count;
-  const double deviation =
-      std::sqrt(std::max(bias_squared / count - mean * mean, 0.0) / std::max(count - 1, 1.0));
-  const double own = std::max(mean - kBlendConfidence * deviation, 0.0),
+  const double own = std::max(bias - confidence * std::sqrt(bias_variance), 0.0) / count,
                noise = std::max(variance / count, own_variance);
   return noise / (noise + own);
 }
@@ -137,17 +134,18 @@ Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& 
     return window_sums(plane, frame.width, frame.height, kBlendWindow / 2);
   };
   const std::vector<double> count = sums(evidence.known), variance = sums(evidence.variance),
-                            bias = sums(evidence.bias), squared = sums(evidence.bias_squared);
+                            bias = sums(evidence.bias), bias_variance = sums(evidence.bias_variance);
+  const double confidence = kBlendConfidence + kBlendCaution / frame.spp;
   Blended result = {denoised, Image(frame.width, frame.height, 1)};
   const Image mean = mean_radiance(frame);
   for (size_t p = 0; p < frame.plane_size(); ++p) {
-    const double a = count[p] > 0
-                         ? share_of_denoised(evidence.variance[p], count[p], variance[p], bias[p], squared[p])
-                         : 1;
+    const double a = count[p] > 0 ? share_of_denoised(evidence.variance[p], count[p], variance[p], bias[p],
+                                                      bias_variance[p], confidence)
+                                  : 1;
     result.weight.pixels[p] = float(a);
     for (int c = 0; c < 3; ++c) {
       const double y = mean.plane(c)[p];
-      result.picture.plane(c)[p] = float(y + a * (denoised.plane(c)[p] - y));
+      result.picture.plane(c)[p] = float(a * denoised.plane(c)[p] + (1 - a) * y);
     }
   }
   return result;

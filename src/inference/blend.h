@@ -16,10 +16,11 @@
 namespace ld {
 
 /// Side of the windows over which the errors are estimated, pixels.
-constexpr int kBlendWindow = 11;
+constexpr int kBlendWindow = 7;
 /// A picture's own error counts as far as it is surely there: so many standard errors of its estimate are
-/// taken off.
-constexpr double kBlendConfidence = 2;
+/// taken off, kBlendConfidence and kBlendCaution / spp more. Of few samples even the standard error is a
+/// guess.
+constexpr double kBlendConfidence = 0.5, kBlendCaution = 16;
 
 /// Whether the frame has the two samples a pixel that halves need.
 bool can_blend(const Frame& frame);
@@ -43,12 +44,13 @@ struct Blended {
   Image weight;   // [1, H, W]: a, of the denoised picture
 };
 
-/// y + a (d - y), with y the mean of the samples and a = v / (v + b^2) a pixel: the least expected error of
+/// a d + (1 - a) y, with y the mean of the samples and a = v / (v + b^2) a pixel: the least expected error of
 /// such a mixture. Both are means over kBlendWindow^2 pixels and the channels, weighted by 1 / (h^2 + 0.01)
 /// for a denoised half h: v the variance of y, from the samples' spread within the pixel, and the pixel's own
 /// where that is larger (one bright sample would stay as a speck); b^2 the squared error of a denoised half,
-/// the mean over both of (h - z)^2 - var(z) with z the mean of the other half, less kBlendConfidence times
-/// that estimate's standard error, at least 0. Where v is 0, a is 0. A pixel in which one half is not valid
+/// the mean over both of (h - z)^2 - var(z) with z the mean of the other half, less some of that estimate's
+/// standard errors, at least 0. How far the two halves' estimates lie apart is their noise, and how it
+/// differs from pixel to pixel is not. Where v is 0, a is 0. A pixel in which one half is not valid
 /// says nothing of either. `denoised` is of all samples; `first` and `second` of half_of(frame, 0) and
 /// half_of(frame, 1). Finite for all finite pictures. Throws Error when the sizes differ or can_blend() is
 /// false.

@@ -77,6 +77,7 @@ TEST(CommandLines, HalfTheArguments) {
 TEST(CommandLines, NumbersBeyondTheirRange) {
   for (const std::string& program : kPrograms) expect_help(program, {"--threads", "0"}, "--threads");
   expect_help("ld_inspect", {"--threads", "many"}, "--threads");
+  expect_help("ld_inspect", {"--threads", "1.5"}, "expected a whole number from 1 to 4096, found '1.5'");
   expect_help("ld_inspect", {"--seed", "one"}, "--seed");
   struct Option {
     const char *program, *option;

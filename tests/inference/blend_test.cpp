@@ -78,7 +78,7 @@ TEST(Blend, AConstantOffsetIsBlendedAwayAsSamplesGrow) {
 }
 
 TEST(Blend, TheTruthIsKept) {
-  for (const int spp : {2, 8, 64, 512}) EXPECT_GT(mean_weight(blended_with(kTruth, spp)), 0.97) << spp;
+  for (const int spp : {2, 8, 64, 512}) EXPECT_GT(mean_weight(blended_with(kTruth, spp)), 0.95) << spp;
 }
 
 TEST(Blend, TheErrorFallsWithEveryFourfoldNumberOfSamples) {
@@ -86,10 +86,23 @@ TEST(Blend, TheErrorFallsWithEveryFourfoldNumberOfSamples) {
     double last = 1e9;
     for (int spp = 2; spp <= 512; spp *= 4) {
       const double error = squared_error(blended_with(kTruth + offset, spp).picture);
-      EXPECT_LE(error, last * 1.02 + 1e-5) << offset << " at " << spp;
+      // What is exactly true is doubted a little: by a hundredth of the mean's variance at most.
+      EXPECT_LE(error, last * 1.02 + 0.01 * kTruth * kTruth / spp) << offset << " at " << spp;
       last = error;
     }
   }
+}
+
+// Of many samples the noise is known well, and what is left at one pixel of a window is the denoiser's.
+TEST(Blend, AnErrorInOnePixelIsFoundAmongManySamples) {
+  const Frame frame = exponential_frame(1024);
+  Image picture = constant(kTruth);
+  const size_t lost = frame.plane_size() / 2 + kSide / 2;
+  for (int c = 0; c < 3; ++c) picture.plane(c)[lost] = kTruth + 0.3F;
+  const Blended blended = blend_with_mean(frame, picture, picture, picture);
+  EXPECT_LT(blended.weight.pixels[lost], 0.3F);
+  EXPECT_NEAR(blended.picture.pixels[lost], kTruth, 0.1F);
+  EXPECT_GT(blended.weight.pixels[0], 0.9F);
 }
 
 TEST(Blend, OneBrightSampleLeavesNoSpeck) {

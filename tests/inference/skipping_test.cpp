@@ -123,6 +123,8 @@ TEST(SkipWithin, WhatIsNoBoundIsAWrongCommandLine) {
         run_program("ld_denoise", {"--skip-within=" + text, "a.exr", "--output", "b.exr"});
     EXPECT_EQ(result.exit_code, 2) << text;
   }
+  expect_failure(run_program("ld_denoise", {"--filter=eaw", "--skip-within=0", "a.exr", "--output", "b.exr"}),
+                 2, {"--skip-within goes with models", "eaw"});
 }
 
 }  // namespace
