@@ -4,10 +4,10 @@
 #   scripts/adapt_study.sh [OUT [ld_train options]]     (default: out/adapt; NAME_SHOTS="turn gltf" takes some)
 # Prints a table of the frames kept apart, with Open Image Denoise where out/peers/venv has it, and writes it to OUT/table.md. Needs the programs in
 # build/bin/, Blender, Debian's assimp-testmodels and, to have the other denoiser, scripts/peers/setup.sh. Environment: INIT (released weights to
-# begin with, default common_fast), NAME_SHOTS, RUN (what the trainings are named by, default adapted), BIN.
+# begin with, default pyramid_fine), NAME_SHOTS, RUN (what the trainings are named by, default adapted), BIN.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-out=${1:-out/adapt} bin=${BIN:-build/bin} init=${INIT:-common_fast} run=${RUN:-adapted}
+out=${1:-out/adapt} bin=${BIN:-build/bin} init=${INIT:-pyramid_fine} run=${RUN:-adapted}
 [ $# -eq 0 ] || shift
 shots=${NAME_SHOTS:-turn dolly gltf cycles}
 python=out/peers/venv/bin/python

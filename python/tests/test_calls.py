@@ -160,7 +160,7 @@ class Surface(unittest.TestCase):
         self.assertEqual(denoiser.required, ["radiance"])
         self.assertEqual(len(ld.Denoiser(support.SAMPLE_WEIGHTS).required), 10)
         self.assertIn("common_fine", repr(denoiser))
-        self.assertEqual(ld.released_weights(), ["common_fast", "common_fine", "history_fast", "means", "pyramid_fine"])
+        self.assertEqual(ld.released_weights(), ["common_fast", "common_fine", "common_small", "common_tiny", "history_fast", "means", "pyramid_fine"])
         self.assertRegex(ld.__version__, r"^\d+\.\d+\.\d+$")
 
     def test_everything_public_has_a_help_text(self):

@@ -105,7 +105,8 @@ TEST(OneCommand, QuotedPatternsAreTheFilesThatFit) {
 
 TEST(OneCommand, WeightsAreFoundByName) {
   const std::vector<std::string> names = released_models();
-  for (const char* name : {"common_fast", "common_fine", "history_fast", "means", "pyramid_fine"})
+  for (const char* name :
+       {"common_fast", "common_fine", "common_small", "common_tiny", "history_fast", "means", "pyramid_fine"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   EXPECT_EQ(resolve_model("common").filename(), "common_fine.safetensors");
   EXPECT_EQ(read_weights_header(SafetensorsFile(resolve_model("means"))).network.means, true);

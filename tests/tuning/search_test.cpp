@@ -212,6 +212,8 @@ TEST(TuningCandidates, BeginWithTheReleasedWeightsOfTheirNetwork) {
   EXPECT_EQ(begins, (std::map<std::string, std::string>{{"layer2_fast_k9", "common_fast"},
                                                         {"means_fine_k9", "means"},
                                                         {"pixel_fine_k9", "common_fine"},
+                                                        {"pixel_small_k5", "common_small"},
+                                                        {"pixel_tiny_k5", "common_tiny"},
                                                         {"pyramid_fine_k9", "pyramid_fine"}}));
   for (const Candidate& candidate : candidate_space(base, fake_survey({"albedo"})))
     EXPECT_EQ(candidate.config.init, "") << candidate.name << " does not demodulate";
