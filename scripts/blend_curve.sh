@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Error against samples, with and without `ld_denoise --blend`, for every released network and filter:
+# Error against samples, with and without `ld_denoise --blend`, for three released networks and both filters:
 #
 #   scripts/blend_curve.sh [OUT]     (default: out/blend_curve)
 #

@@ -12,7 +12,7 @@
 # there are none yet, those of common_SIZE) on the same frames, those are replaced, with their card. Environment:
 #   NAMES   networks, in this order (default: common_fast common_fine means samples_fast samples_fine)
 #   CYCLES  how many cycles, over all networks (default: for ever)
-#   STEPS   length of a cycle in steps, in place of MINUTES: what else the machine does then changes nothing
+#   STEPS   length of a cycle in steps, in place of MINUTES, so that it does not depend on what else the machine does
 #   BIN     default build/bin
 set -euo pipefail
 cd "$(dirname "$0")/.."

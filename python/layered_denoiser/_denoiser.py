@@ -138,7 +138,7 @@ class Denoiser:
         depth_scale: the unit of depth; None: that of the frame, or the median of the finite depths.
         threads: that compute; 0: OMP_NUM_THREADS, or all CPUs of the process. The bits are those of ld_denoise with as many, and with
             --skip-within as skip_within here.
-        max_memory_mb: what the whole process may take, in MB of 2^20 bytes, the samples' copy aside; 0: no bound.
+        max_memory_mb: what the whole process may take, in MB of 2^20 bytes, the samples' copy aside; 0: no bound. Filters take none.
         skip_within: how far the picture x may be from that of all work, so that what is known beforehand need not be computed: in each channel by
             at most skip_within * (1 + |x|), 0 to 1; 0: by no bit. `skipped` says what was left out.
         progress: called now and then with the share that is done, 0 to 1. A result that is false, other than None, cancels.

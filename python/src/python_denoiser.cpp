@@ -1,7 +1,5 @@
 #include "python_denoiser.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <memory>
 
@@ -119,13 +117,6 @@ SampleArrays arrays_of(const FrameBuffers& buffers, const SequenceDenoiser& deno
   return arrays;
 }
 
-FilterArgument filter_argument(const std::string& kind, const std::vector<std::string>& settings) {
-  const std::vector<std::string> kinds = filter_kinds();
-  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    fail_usage("no filter is named '{}'; expected {}", kind, fmt::join(kinds, " or "));
-  return {kind, kind, settings};
-}
-
 std::optional<Matrix4> matrix_of(const std::vector<float>& values) {
   Matrix4 matrix;
   if (values.size() != matrix.size()) return std::nullopt;
@@ -138,7 +129,7 @@ std::optional<Matrix4> matrix_of(const std::vector<float>& values) {
 PythonDenoiser::PythonDenoiser(const std::string& weights) : denoiser_(weights) {}
 
 PythonDenoiser::PythonDenoiser(const std::string& kind, const std::vector<std::string>& settings)
-    : denoiser_(filter_argument(kind, settings)) {}
+    : denoiser_(FilterArgument{kind, kind, settings}) {}
 
 void PythonDenoiser::restart() {
   const OneCall call(busy_);

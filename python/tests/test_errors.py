@@ -86,7 +86,7 @@ class WrongFiles(unittest.TestCase):
 
     def test_weights(self):
         for name in ("comon", "/nowhere/weights.safetensors", ""):
-            with self.assertRaisesRegex(RuntimeError, f"no such model: {name}; .*common_fast, common_fine, history_fast, means"):
+            with self.assertRaisesRegex(RuntimeError, f"no such model: {name}; .*common_fast, common_fine, common_small, common_tiny, history_fast, means"):
                 ld.Denoiser(name)
         with self.assertRaisesRegex(RuntimeError, "text.exr"):
             ld.Denoiser(self.text)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Error against time on one shot that nobody was trained on: the released networks in floats and in 8 bits, as they are and fitted to the shot for
+# Error against time on one shot that nobody was trained on: three released networks in floats and in 8 bits, as they are and fitted to the shot for
 # MINUTES without references (docs/training.md), the filters, and Open Image Denoise's three qualities; two sizes, 2, 8 and 32 samples a pixel.
 #   scripts/peers/error_and_time.sh [OUT]     (default: out/error_and_time; docs/tradeoff.md is what it leaves)
 # Renders 12 frames of 160x96, of which 4 are compared and 8 learnt from, and 8 of 480x288 (2 and 6). What is finished is kept, so it may be stopped and

@@ -93,7 +93,9 @@ CLI::Validator whole_number_within(int64_t least, int64_t most) {
         int64_t value = 0;
         const char* const end = text.data() + text.size();
         const auto [stop, error] = std::from_chars(text.data(), end, value);
-        return error == std::errc() && stop == end && value >= least && value <= most
+        // With a zero before it the parser would take it for octal.
+        const bool plain = text.size() == 1 || text.front() != '0';
+        return error == std::errc() && stop == end && plain && value >= least && value <= most
                    ? std::string()
                    : fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text);
       },

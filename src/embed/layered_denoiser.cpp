@@ -108,8 +108,7 @@ LdStatus ld_create_filter(const char* kind, const char* const* settings, LdDenoi
   *denoiser = nullptr;
   if (kind == nullptr) return refuse(LD_INVALID_ARGUMENT, "ld_create_filter: the kind is a null pointer");
   return guarded([&] {
-    std::vector<std::string> none;
-    ld::FilterArgument argument = ld::parse_filter_arguments({kind}, none).front();
+    ld::FilterArgument argument{kind, kind, {}};
     for (; settings != nullptr && *settings != nullptr; ++settings)
       argument.assignments.emplace_back(*settings);
     *denoiser = std::make_unique<LdDenoiser>(argument).release();

@@ -38,13 +38,13 @@ void SequenceDenoiser::set_camera(const std::optional<Matrix4>& world_to_camera,
 }
 
 DenoisedParts SequenceDenoiser::denoise(const SampleArrays& arrays, const DenoiseOptions& options) {
+  if (filter_ && (!arrays.parts.empty() || arrays.alpha))
+    fail_usage("parts of the light and alpha go with models; a filter makes none");
+  if (filter_ && options.max_memory_bytes > 0)
+    fail_usage("a memory budget goes with models; a filter takes what its planes take");
   state_.advance(SequencePlace{0, position_}, arrays.width, arrays.height);
   ++position_;
   if (model_) return model_->denoise_parts(arrays, options, &state_);
-  if (!arrays.parts.empty() || arrays.alpha)
-    fail_usage("parts of the light and alpha go with models; a filter makes none");
-  if (options.max_memory_bytes > 0 || options.skip_within.value_or(0) > 0)
-    fail_usage("a memory budget and a bound for skipping go with models; a filter keeps neither");
   const int threads = options.threads > 0 ? options.threads : default_threads();
   Frame frame = gather(arrays, threads);
   frame.info.world_to_camera = world_to_camera_;

@@ -34,8 +34,8 @@ class SequenceDenoiser {
   void restart() { state_.end(); }
 
   /// The picture and what was filtered with its weights. A frame that is not finished leaves nothing to the
-  /// next one. Throws what Denoiser::denoise_parts() does, and UsageError for parts of the light, alpha, a
-  /// memory budget or a bound for skipping where a filter is to denoise.
+  /// next one. Throws what Denoiser::denoise_parts() does, and UsageError for parts of the light, alpha
+  /// or a memory budget where a filter is to denoise.
   DenoisedParts denoise(const SampleArrays& arrays, const DenoiseOptions& options);
 
   /// What was left out of the last frame's work (DenoiseOptions::skip_within); nothing by filters.

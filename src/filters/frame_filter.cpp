@@ -44,6 +44,9 @@ std::vector<FilterArgument> parse_filter_arguments(const std::vector<std::string
 
 FrameFilter::FrameFilter(const FilterArgument& argument)
     : kind_(argument.kind), assignments_(argument.assignments) {
+  const std::vector<std::string> kinds = filter_kinds();
+  if (std::find(kinds.begin(), kinds.end(), kind_) == kinds.end())
+    fail_usage("no filter is called '{}'; expected {}", kind_, fmt::join(kinds, " or "));
   ConfigNode root;
   root.origin = "--set";
   for (const std::string& assignment : argument.assignments) apply_override(root, assignment);

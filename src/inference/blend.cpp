@@ -32,10 +32,12 @@ Estimate estimate(const Frame& frame, int channel, size_t pixel, int first, int 
   return result;
 }
 
-/// What a pixel says of the errors, each a mean over the channels.
+/// What a pixel says of the errors, means over the channels; bias_variance is the square of half the distance
+/// of what the two halves say of the bias. `caution`: standard errors that its few samples take off.
 struct Evidence {
-  std::vector<double> known, variance, bias, bias_variance;
-  explicit Evidence(size_t pixels) : known(pixels), variance(pixels), bias(pixels), bias_variance(pixels) {}
+  std::vector<double> known, variance, bias, bias_variance, caution;
+  explicit Evidence(size_t pixels)
+      : known(pixels), variance(pixels), bias(pixels), bias_variance(pixels), caution(pixels) {}
 };
 
 /// d^2 - v over h^2 + epsilon, each ratio formed before it is squared, so that nothing overflows.
@@ -61,6 +63,7 @@ Evidence gather(const Frame& frame, const Image& first, const Image& second) {
       const double scale = std::hypot(0.5 * h1 + 0.5 * h2, std::sqrt(kEpsilon));
       const double of_first = excess(h1, spread(b)), of_second = excess(h2, spread(a));
       evidence.known[p] = 1;
+      evidence.caution[p] = kBlendCaution / all.drawn;
       evidence.variance[p] += all.variance / scale / scale / 3;
       evidence.bias[p] += (0.5 * of_first + 0.5 * of_second) / 3;
       evidence.bias_variance[p] += (0.5 * of_first - 0.5 * of_second) / 3;
@@ -69,7 +72,8 @@ Evidence gather(const Frame& frame, const Image& first, const Image& second) {
   return evidence;
 }
 
-/// a of a pixel of that variance in a window of so many known pixels, with the sums of what they say.
+/// a of a pixel of that variance in a window of so many known pixels, with the sums of what they say;
+/// `confidence` standard errors of the bias are taken off.
 double share_of_denoised(double own_variance, double count, double variance, double bias,
                          double bias_variance, double confidence) {
   if (!(variance > 0)) return 0;
@@ -117,7 +121,7 @@ HalfInPlace half_in_place(const Frame& frame, int first, const std::vector<std::
 }
 
 int64_t blend_bytes(const Frame& frame) {
-  const int64_t planes = 4 + 4 + 2, images = 3 * 3 + 3 + 1 + 3;  // what is there at once, of both kinds
+  const int64_t planes = 5 + 5 + 2, images = 3 * 3 + 3 + 1 + 3;  // what is there at once, of both kinds
   return int64_t(frame.plane_size()) *
          (planes * int64_t(sizeof(double)) + images * int64_t(sizeof(float)) + (frame.spp + 1) / 2);
 }
@@ -134,14 +138,15 @@ Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& 
     return window_sums(plane, frame.width, frame.height, kBlendWindow / 2);
   };
   const std::vector<double> count = sums(evidence.known), variance = sums(evidence.variance),
-                            bias = sums(evidence.bias), bias_variance = sums(evidence.bias_variance);
-  const double confidence = kBlendConfidence + kBlendCaution / frame.spp;
+                            bias = sums(evidence.bias), bias_variance = sums(evidence.bias_variance),
+                            caution = sums(evidence.caution);
   Blended result = {denoised, Image(frame.width, frame.height, 1)};
   const Image mean = mean_radiance(frame);
   for (size_t p = 0; p < frame.plane_size(); ++p) {
-    const double a = count[p] > 0 ? share_of_denoised(evidence.variance[p], count[p], variance[p], bias[p],
-                                                      bias_variance[p], confidence)
-                                  : 1;
+    const double a = count[p] > 0
+                         ? share_of_denoised(evidence.variance[p], count[p], variance[p], bias[p],
+                                             bias_variance[p], kBlendConfidence + caution[p] / count[p])
+                         : 1;
     result.weight.pixels[p] = float(a);
     for (int c = 0; c < 3; ++c) {
       const double y = mean.plane(c)[p];

@@ -18,8 +18,7 @@ namespace ld {
 /// Side of the windows over which the errors are estimated, pixels.
 constexpr int kBlendWindow = 7;
 /// A picture's own error counts as far as it is surely there: so many standard errors of its estimate are
-/// taken off, kBlendConfidence and kBlendCaution / spp more. Of few samples even the standard error is a
-/// guess.
+/// taken off, and kBlendCaution / n more with n samples a pixel, of which even the standard error is a guess.
 constexpr double kBlendConfidence = 0.5, kBlendCaution = 16;
 
 /// Whether the frame has the two samples a pixel that halves need.
@@ -49,11 +48,11 @@ struct Blended {
 /// for a denoised half h: v the variance of y, from the samples' spread within the pixel, and the pixel's own
 /// where that is larger (one bright sample would stay as a speck); b^2 the squared error of a denoised half,
 /// the mean over both of (h - z)^2 - var(z) with z the mean of the other half, less some of that estimate's
-/// standard errors, at least 0. How far the two halves' estimates lie apart is their noise, and how it
-/// differs from pixel to pixel is not. Where v is 0, a is 0. A pixel in which one half is not valid
-/// says nothing of either. `denoised` is of all samples; `first` and `second` of half_of(frame, 0) and
-/// half_of(frame, 1). Finite for all finite pictures. Throws Error when the sizes differ or can_blend() is
-/// false.
+/// standard errors, at least 0. Those come from how far the two halves' estimates lie apart in each pixel,
+/// not from how they differ between pixels: a denoiser may be wrong in a few pixels alone. Where v is 0, a is
+/// 0. A pixel in which one half is not valid says nothing of either. `denoised` is of all samples; `first`
+/// and `second` of half_of(frame, 0) and half_of(frame, 1). Finite for all finite pictures. Throws Error when
+/// the sizes differ or can_blend() is false.
 Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& first, const Image& second);
 
 }  // namespace ld

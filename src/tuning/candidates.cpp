@@ -31,7 +31,7 @@ constexpr Network kNetworks[] = {
     {"layer3", "three layers of samples", "layer", 3, false, true, true, 1},
 };
 
-/// Widths, depth and the kernels' taps a side. The two larger ones are those of the released networks.
+/// Widths, depth and the kernels' taps a side. They are those of the released networks.
 struct Size {
   const char* key;
   std::vector<int64_t> kernels;

@@ -354,6 +354,7 @@ TEST(EmbedFilter, RefusesWhatIsNone) {
   EXPECT_EQ(ld_create_filter("eaw", nullptr, nullptr), LD_INVALID_ARGUMENT);
   const char* settings[] = {"sigma=1", nullptr};
   EXPECT_EQ(ld_create_filter("eaw", settings, &denoiser), LD_INVALID_ARGUMENT);
+  EXPECT_EQ(ld_create_filter("soft=eaw", nullptr, &denoiser), LD_INVALID_ARGUMENT);
   EXPECT_EQ(denoiser, nullptr);
   EXPECT_EQ(ld_restart(nullptr), LD_INVALID_ARGUMENT);
   EXPECT_EQ(ld_set_camera(nullptr, nullptr, nullptr), LD_INVALID_ARGUMENT);

@@ -110,9 +110,9 @@ LD_API LdStatus ld_set_alpha(LdDenoiser* denoiser, const float* samples, const L
 LD_API LdStatus ld_set_valid(LdDenoiser* denoiser, const uint8_t* valid);
 
 /* Bounds what the whole process takes while ld_denoise() runs, in MB of 2^20 bytes: program, libraries and
- * your own memory count. Models read the samples where they lie; the copy that filters make does not count.
- * 0 (the default): no bound. The bound changes no bit of the picture. One that is too small makes
- * ld_denoise() fail and name the smallest one. */
+ * your own memory count. The samples are read where they lie. 0 (the default): no bound. The bound
+ * changes no bit of the picture. One that is too small makes ld_denoise() fail and name the smallest one;
+ * filters cannot keep any. */
 LD_API LdStatus ld_set_max_memory(LdDenoiser* denoiser, size_t megabytes);
 
 /* How far the picture x may be from that of all work, so that what is known beforehand need not be computed:
