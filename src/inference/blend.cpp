@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/window_sums.h"
@@ -72,14 +73,38 @@ Evidence gather(const Frame& frame, const Image& first, const Image& second) {
   return evidence;
 }
 
-/// a of a pixel of that variance in a window of so many known pixels, with the sums of what they say;
-/// `confidence` standard errors of the bias are taken off.
-double share_of_denoised(double own_variance, double count, double variance, double bias,
-                         double bias_variance, double confidence) {
-  if (!(variance > 0)) return 0;
-  const double own = std::max(bias - confidence * std::sqrt(bias_variance), 0.0) / count,
-               noise = std::max(variance / count, own_variance);
-  return noise / (noise + own);
+/// Sums over windows of what pixels say.
+struct Errors {
+  std::vector<double> count, variance, bias;
+};
+
+/// The bias as far as it is sure, and averaged once more: where by chance it is large in one window alone,
+/// noise would come in as a speck.
+Errors errors_of(Evidence evidence, int width, int height) {
+  const auto sums = [&](const std::vector<double>& plane) {
+    return window_sums(plane, width, height, kBlendWindow / 2);
+  };
+  Errors errors{sums(evidence.known), sums(evidence.variance), sums(evidence.bias)};
+  const std::vector<double> bias_variance = sums(evidence.bias_variance), caution = sums(evidence.caution);
+  for (size_t p = 0; p < errors.count.size(); ++p) {
+    if (errors.count[p] == 0) continue;
+    const double confidence = kBlendConfidence + caution[p] / errors.count[p];
+    errors.bias[p] = std::max(errors.bias[p] - confidence * std::sqrt(bias_variance[p]), 0.0);
+  }
+  evidence.bias = sums(errors.bias);
+  evidence.known = sums(errors.count);
+  for (size_t p = 0; p < errors.count.size(); ++p) {
+    if (errors.count[p] == 0) continue;
+    errors.variance[p] /= errors.count[p];
+    errors.bias[p] = evidence.bias[p] / evidence.known[p];
+  }
+  return errors;
+}
+
+/// a of a pixel of that variance, between a picture with this bias and a mean of this variance.
+double share_of_denoised(double own_variance, double variance, double bias) {
+  const double noise = std::max(variance, own_variance);
+  return variance > 0 ? noise / (noise + bias) : 0;
 }
 
 }  // namespace
@@ -121,7 +146,7 @@ HalfInPlace half_in_place(const Frame& frame, int first, const std::vector<std::
 }
 
 int64_t blend_bytes(const Frame& frame) {
-  const int64_t planes = 5 + 5 + 2, images = 3 * 3 + 3 + 1 + 3;  // what is there at once, of both kinds
+  const int64_t planes = 1 + 5 + 5 + 2, images = 3 * 3 + 3 + 1 + 3;  // what is there at once, of both kinds
   return int64_t(frame.plane_size()) *
          (planes * int64_t(sizeof(double)) + images * int64_t(sizeof(float)) + (frame.spp + 1) / 2);
 }
@@ -133,20 +158,14 @@ Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& 
     if (image->width != frame.width || image->height != frame.height || image->channels != 3)
       fail("a picture of {}x{} beside a frame of {}x{}", image->width, image->height, frame.width,
            frame.height);
-  const Evidence evidence = gather(frame, first, second);
-  const auto sums = [&](const std::vector<double>& plane) {
-    return window_sums(plane, frame.width, frame.height, kBlendWindow / 2);
-  };
-  const std::vector<double> count = sums(evidence.known), variance = sums(evidence.variance),
-                            bias = sums(evidence.bias), bias_variance = sums(evidence.bias_variance),
-                            caution = sums(evidence.caution);
+  Evidence evidence = gather(frame, first, second);
+  const std::vector<double> own_variance = evidence.variance;
+  const Errors errors = errors_of(std::move(evidence), frame.width, frame.height);
   Blended result = {denoised, Image(frame.width, frame.height, 1)};
   const Image mean = mean_radiance(frame);
   for (size_t p = 0; p < frame.plane_size(); ++p) {
-    const double a = count[p] > 0
-                         ? share_of_denoised(evidence.variance[p], count[p], variance[p], bias[p],
-                                             bias_variance[p], kBlendConfidence + caution[p] / count[p])
-                         : 1;
+    const double a =
+        errors.count[p] > 0 ? share_of_denoised(own_variance[p], errors.variance[p], errors.bias[p]) : 1;
     result.weight.pixels[p] = float(a);
     for (int c = 0; c < 3; ++c) {
       const double y = mean.plane(c)[p];

@@ -19,7 +19,7 @@ namespace ld {
 constexpr int kBlendWindow = 7;
 /// A picture's own error counts as far as it is surely there: so many standard errors of its estimate are
 /// taken off, and kBlendCaution / n more with n samples a pixel, of which even the standard error is a guess.
-constexpr double kBlendConfidence = 0.5, kBlendCaution = 16;
+constexpr double kBlendConfidence = 0.5, kBlendCaution = 64;
 
 /// Whether the frame has the two samples a pixel that halves need.
 bool can_blend(const Frame& frame);
@@ -49,10 +49,11 @@ struct Blended {
 /// where that is larger (one bright sample would stay as a speck); b^2 the squared error of a denoised half,
 /// the mean over both of (h - z)^2 - var(z) with z the mean of the other half, less some of that estimate's
 /// standard errors, at least 0. Those come from how far the two halves' estimates lie apart in each pixel,
-/// not from how they differ between pixels: a denoiser may be wrong in a few pixels alone. Where v is 0, a is
-/// 0. A pixel in which one half is not valid says nothing of either. `denoised` is of all samples; `first`
-/// and `second` of half_of(frame, 0) and half_of(frame, 1). Finite for all finite pictures. Throws Error when
-/// the sizes differ or can_blend() is false.
+/// not from how they differ between pixels: a denoiser may be wrong in a few pixels alone. The result is
+/// averaged over such windows once more, lest noise come in where chance made it large in one. Where v is 0,
+/// a is 0. A pixel in which one half is not valid says nothing of either. `denoised` is of all samples;
+/// `first` and `second` of half_of(frame, 0) and half_of(frame, 1). Finite for all finite pictures. Throws
+/// Error when the sizes differ or can_blend() is false.
 Blended blend_with_mean(const Frame& frame, const Image& denoised, const Image& first, const Image& second);
 
 }  // namespace ld

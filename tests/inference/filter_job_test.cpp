@@ -69,7 +69,7 @@ TEST_F(FilterJob, DenoisesEveryFrameOfASequenceAndRestartsAtAHole) {
 }
 
 TEST_F(FilterJob, BlendsByHalvesThatHaveAMemoryOfTheirOwn) {
-  write_walk({1, 2, 3}, 6);
+  write_walk({1, 2, 3}, 64);
   for (const std::string kind : {"eaw", "svgf"}) {
     DenoiseJob blending = job(kind, "walk.#.exr", kind + ".#.exr");
     blending.blend = true;
