@@ -10,6 +10,14 @@
 #include "core/log.h"
 
 namespace ld {
+namespace {
+
+bool is_kind(const std::string& text) {
+  const std::vector<std::string> kinds = filter_kinds();
+  return std::find(kinds.begin(), kinds.end(), text) != kinds.end();
+}
+
+}  // namespace
 
 std::vector<std::string> filter_kinds() {
   return {"eaw", "svgf"};
@@ -18,14 +26,14 @@ std::vector<std::string> filter_kinds() {
 std::vector<FilterArgument> parse_filter_arguments(const std::vector<std::string>& arguments,
                                                    std::vector<std::string>& assignments) {
   std::vector<FilterArgument> filters;
-  const std::vector<std::string> kinds = filter_kinds();
   for (const std::string& argument : arguments) {
     const size_t equals = argument.find('=');
     FilterArgument filter;
     filter.name = argument.substr(0, equals);
     filter.kind = equals == std::string::npos ? argument : argument.substr(equals + 1);
-    if (std::find(kinds.begin(), kinds.end(), filter.kind) == kinds.end() || filter.name.empty())
-      fail_usage("--filter '{}': expected {}, or NAME= and one of them", argument, fmt::join(kinds, " or "));
+    if (!is_kind(filter.kind) || filter.name.empty())
+      fail_usage("--filter '{}': expected {}, or NAME= and one of them", argument,
+                 fmt::join(filter_kinds(), " or "));
     for (const FilterArgument& other : filters)
       if (other.name == filter.name)
         fail_usage("--filter: '{}' is given twice; expected each name once, such as soft={}", filter.name,
@@ -44,9 +52,8 @@ std::vector<FilterArgument> parse_filter_arguments(const std::vector<std::string
 
 FrameFilter::FrameFilter(const FilterArgument& argument)
     : kind_(argument.kind), assignments_(argument.assignments) {
-  const std::vector<std::string> kinds = filter_kinds();
-  if (std::find(kinds.begin(), kinds.end(), kind_) == kinds.end())
-    fail_usage("no filter is called '{}'; expected {}", kind_, fmt::join(kinds, " or "));
+  if (!is_kind(kind_))
+    fail_usage("no filter is called '{}'; expected {}", kind_, fmt::join(filter_kinds(), " or "));
   ConfigNode root;
   root.origin = "--set";
   for (const std::string& assignment : argument.assignments) apply_override(root, assignment);

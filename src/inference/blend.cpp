@@ -73,7 +73,7 @@ Evidence gather(const Frame& frame, const Image& first, const Image& second) {
   return evidence;
 }
 
-/// Sums over windows of what pixels say.
+/// Over the window around each pixel: how many pixels are known, and the means of what they say.
 struct Errors {
   std::vector<double> count, variance, bias;
 };
@@ -91,6 +91,7 @@ Errors errors_of(Evidence evidence, int width, int height) {
     const double confidence = kBlendConfidence + caution[p] / errors.count[p];
     errors.bias[p] = std::max(errors.bias[p] - confidence * std::sqrt(bias_variance[p]), 0.0);
   }
+  // In the place of what is no longer needed, which blend_bytes() counts on.
   evidence.bias = sums(errors.bias);
   evidence.known = sums(errors.count);
   for (size_t p = 0; p < errors.count.size(); ++p) {

@@ -333,6 +333,10 @@ TEST(EmbedFilter, GivesThePicturesOfTheFilterOverASequenceBitForBit) {
         denoiser.set_feature(name, buffers.back().data());
       }
     std::vector<float> picture(3 * frame.plane_size());
+    // A refusal leaves the history as it is.
+    denoiser.set_max_memory(1000);
+    EXPECT_THROW(denoiser.denoise(picture.data()), layered_denoiser::Failure);
+    denoiser.set_max_memory(0);
     denoiser.denoise(picture.data());
     Frame same = frame;
     same.features = {"radiance", "normal", "depth", "albedo", "specular", "flow"};

@@ -105,6 +105,16 @@ TEST(Blend, AnErrorInOnePixelIsFoundAmongManySamples) {
   EXPECT_GT(blended.weight.pixels[0], 0.9F);
 }
 
+// Where the denoiser is right everywhere, chance must not let the mean in at a few pixels.
+TEST(Blend, ATrueWallStaysFreeOfSpecks) {
+  for (const int spp : {8, 32, 64})
+    for (uint32_t number = 0; number < 8; ++number) {
+      const Image picture = constant(kTruth);
+      const Blended blended = blend_with_mean(exponential_frame(spp, number), picture, picture, picture);
+      for (const float weight : blended.weight.pixels) ASSERT_GT(weight, 0.8F) << spp << ", " << number;
+    }
+}
+
 TEST(Blend, OneBrightSampleLeavesNoSpeck) {
   // A denoiser that is a little off everywhere, so that the mean is mixed in, and one sample a thousand times
   // too bright.
