@@ -18,6 +18,7 @@
 #include "inference/denoiser.h"
 #include "layered_denoiser/layered_denoiser.hpp"
 #include "tests/support/random_frame.h"
+#include "tests/support/sanitized.h"
 
 namespace ld {
 namespace {
@@ -178,6 +179,8 @@ TEST_F(Embed, AMemoryBoundChangesNoBitAndOneTooSmallIsRefused) {
   EXPECT_EQ(picture, std::vector<float>(picture.size(), -1));
   std::smatch smallest;
   ASSERT_TRUE(std::regex_search(error, smallest, std::regex("smallest is ([0-9]+) MB"))) << error;
+  if (kAddressSanitizer)
+    GTEST_SKIP() << "the sanitizer keeps what is freed, so that the smallest budget grows";
   denoiser_.set_max_memory(std::stoul(smallest[1]) + 2);  // for what the message itself has taken
   EXPECT_EQ(denoise(), expected);
 }
